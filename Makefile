@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+# Every target prepares what it needs; `make` alone lists them.
+
+PYTHON := .venv/bin/python
+# One thread a rank: BLAS threads only get in each other's way here.
+export OMP_NUM_THREADS := 1
+# Containers run as root; Open MPI asks twice.
+export OMPI_ALLOW_RUN_AS_ROOT := 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
+# Ranks may outnumber the cores, and share them with other programs.
+MPIRUN := mpirun --oversubscribe --bind-to none
+
+# mpirun gives its ranks a terminal even where there is none.
+PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
+
+.DEFAULT_GOAL := help
+.PHONY: help setup roll-up test lint clean
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
+
+setup: ## install what is missing (Debian 12), make .venv
+	@.ci/setup
+
+roll-up: setup ## roll a strip up into a circle by an end moment; result in out/roll_up
+	$(PYTHON) demos/roll_up.py --out out/roll_up
+
+test: setup ## all tests on 1 rank, then on 2
+	@status=0; \
+	$(PYTEST) || status=1; \
+	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial" || status=1; \
+	exit $$status
+
+lint: setup ## ruff: rules and layout
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+
+clean: ## remove results and caches of the tools; .venv stays
+	rm -rf out build dist .pytest_cache .ruff_cache
+	find . -name __pycache__ -not -path './.venv/*' -type d -exec rm -rf {} +

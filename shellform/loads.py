@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Loads as nodal forces and moments: the external part of Eqs. 2 and 14.
+
+Dead loads (gravity, tractions, forces on lines and at points) do not depend on the motion, so they
+are integrated once into nodal forces. A moment turns with nothing: m is fixed in space and works
+on the spin of the director, r_d = m x d. Pressure follows the surface and is left to UFL.
+
+Every load has an amplitude: a function of the load level; by default the level itself.
+"""
+
+import numpy as np
+
+from .strains import GAUSS2, GAUSS3
+
+
+class Loads:
+    """Loads on the nodes of a partition.
+
+    Attributes
+    ----------
+    forces : list of (amplitude, (n_owned, 3) [N])
+    moments : list of (amplitude, owned nodes (k,), (k, 3) [N m])
+    pressures : list of (amplitude, pressure [Pa]), positive along the director's side
+    """
+
+    def __init__(self, partition, areal_mass):
+        self.partition, self.areal_mass = partition, areal_mass
+        self.forces, self.moments, self.pressures = [], [], []
+
+    def point(self, where, force, amplitude=None):
+        """Force (3,) [N] on each node at a place (see `Partition.find`)."""
+        whole = np.zeros_like(self.partition.surface.points)
+        whole[self.partition.find(where)] = _vector(force, "force", "N")
+        self._add_forces(whole, amplitude)
+
+    def line(self, edge, force, amplitude=None):
+        """Force per length (3,) or function of points (k, 3) -> (k, 3) [N/m] along a named edge."""
+        self._add_forces(self._along(edge, force, "line load", "N/m"), amplitude)
+
+    def surface(self, traction, amplitude=None):
+        """Dead traction (3,) or function of points (k, 3) -> (k, 3) [Pa] on the whole surface."""
+        surface = self.partition.surface
+        whole = np.zeros_like(surface.points)
+        for shape, weights, at in surface_rule(surface):
+            value = _field(traction, at, "traction", "Pa") * weights[:, None]
+            for i, node in enumerate(surface.cells.T):
+                np.add.at(whole, node, shape[i] * value)
+        self._add_forces(whole, amplitude)
+
+    def gravity(self, acceleration=(0.0, 0.0, -9.81), amplitude=None):
+        """Weight by an acceleration (3,) [m/s^2]; needs the fabric's areal mass."""
+        g = _vector(acceleration, "gravity", "m/s^2")
+        if self.areal_mass is None:
+            raise ValueError("gravity needs a fabric with a density or an areal mass")
+        self.surface(self.areal_mass * g, amplitude)
+
+    def edge_moment(self, edge, moment, amplitude=None):
+        """Moment per length (3,) [N m/m], fixed in space, on the directors of a named edge."""
+        self._add_moments(self._along(edge, moment, "edge moment", "N m/m"), amplitude)
+
+    def point_moment(self, where, moment, amplitude=None):
+        """Moment (3,) [N m], fixed in space, on the director of each node at a place."""
+        whole = np.zeros_like(self.partition.surface.points)
+        whole[self.partition.find(where)] = _vector(moment, "moment", "N m")
+        self._add_moments(whole, amplitude)
+
+    def pressure(self, pressure, amplitude=None):
+        """Pressure [Pa] that stays normal to the moving surface, positive towards the director."""
+        if not np.isfinite(pressure):
+            raise ValueError(f"pressure must be a finite number of Pa, not {pressure}")
+        self.pressures.append((amplitude or _level, float(pressure)))
+
+    def force_at(self, level, out):
+        """Add the nodal forces (n_owned, 3) [N] at a load level to `out`."""
+        for amplitude, nodal in self.forces:
+            out += amplitude(level) * nodal
+        return out
+
+    def moment_at(self, level):
+        """Owned nodes (k,) that carry moments and the moments (k, 3) [N m] at a load level."""
+        if len(self.moments) == 1:
+            amplitude, nodes, moments = self.moments[0]
+            return nodes, amplitude(level) * moments
+        if not self.moments:
+            return np.empty(0, int), np.empty((0, 3))
+        nodes = np.unique(np.concatenate([load[1] for load in self.moments]))
+        total = np.zeros((len(nodes), 3))
+        for amplitude, at, moments in self.moments:
+            total[np.searchsorted(nodes, at)] += amplitude(level) * moments
+        return nodes, total
+
+    def _along(self, edge, value, what, unit):
+        surface = self.partition.surface
+        segments = self.partition.edge(edge) if isinstance(edge, str) else np.asarray(edge)
+        whole = np.zeros_like(surface.points)
+        points = surface.points[segments]  # (k, 2 or 3, 3): two ends, middle
+        for x, w in GAUSS3:
+            if segments.shape[1] == 2:
+                shape, slope = np.array([1 - x, x]), np.array([-1.0, 1.0])
+            else:
+                shape = np.array([(1 - x) * (1 - 2 * x), x * (2 * x - 1), 4 * x * (1 - x)])
+                slope = np.array([4 * x - 3, 4 * x - 1, 4 - 8 * x])
+            length = np.linalg.norm(np.einsum("i,kij->kj", slope, points), axis=1)
+            at = np.einsum("i,kij->kj", shape, points)
+            load = _field(value, at, what, unit) * (w * length)[:, None]
+            for i, node in enumerate(segments.T):
+                np.add.at(whole, node, shape[i] * load)
+        return whole
+
+    def _add_forces(self, whole, amplitude):
+        self.forces.append((amplitude or _level, whole[self.partition.owned_nodes]))
+
+    def _add_moments(self, whole, amplitude):
+        owned = whole[self.partition.owned_nodes]
+        nodes = np.flatnonzero(owned.any(axis=1))
+        self.moments.append((amplitude or _level, nodes, owned[nodes]))
+
+
+def surface_rule(surface):
+    """Quadrature over the reference surface, exact for the nodal weights of its element.
+
+    Yields
+    ------
+    shape : (nodes of a cell,), shape functions; weights : (cells,) [m^2]; at : (cells, 3) points
+    """
+    corners = surface.points[surface.cells]
+    width = surface.cells.shape[1]
+    if width == 3:
+        rule = [(0.5, 0.0, 1 / 6), (0.5, 0.5, 1 / 6), (0.0, 0.5, 1 / 6)]
+    else:
+        line = GAUSS2 if width == 4 else GAUSS3
+        rule = [(p, q, a * b) for p, a in line for q, b in line]
+    for p, q, w in rule:
+        shape, slope1, slope2 = shape_functions(width, p, q)
+        g1, g2 = (np.einsum("i,kij->kj", s, corners) for s in (slope1, slope2))
+        area = np.linalg.norm(np.cross(g1, g2), axis=1)
+        yield shape, w * area, np.einsum("i,kij->kj", shape, corners)
+
+
+def shape_functions(width, p, q):
+    """Shape functions and their two derivatives at (p, q) of a 3-, 4- or 9-node cell, cyclic."""
+    if width == 3:
+        return np.array([1 - p - q, p, q]), np.array([-1.0, 1, 0]), np.array([-1.0, 0, 1])
+    if width == 4:
+        f, df = lambda x: np.array([1 - x, x]), lambda x: np.array([-1.0, 1.0])
+        order = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    else:
+        f = lambda x: np.array([(1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1)])  # noqa: E731
+        df = lambda x: np.array([4 * x - 3, 4 - 8 * x, 4 * x - 1])  # noqa: E731
+        order = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
+    i, j = np.array(order).T
+    return f(p)[i] * f(q)[j], df(p)[i] * f(q)[j], f(p)[i] * df(q)[j]
+
+
+def _level(level):
+    return level
+
+
+def _vector(value, what, unit):
+    value = np.asarray(value, float)
+    if value.shape != (3,) or not np.all(np.isfinite(value)):
+        raise ValueError(f"{what} must be three finite numbers in {unit}, not {value.tolist()}")
+    return value
+
+
+def _field(value, points, what, unit):
+    if not callable(value):
+        return _vector(value, what, unit)
+    value = np.asarray(value(points), float)
+    if value.shape != points.shape or not np.all(np.isfinite(value)):
+        raise ValueError(f"{what} must give finite values of shape {points.shape} in {unit}")
+    return value

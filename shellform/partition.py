@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A surface shared out over MPI ranks, with the way back to the user's node numbers.
+
+Every rank holds the whole `meshes.Surface` (arrays are small beside matrices) and the part of it
+that dolfinx assigned. Whatever the user names (an edge, a locator function, node numbers, a point)
+is resolved in the surface's own numbering, the same on every rank, then cut to the rank.
+"""
+
+import dolfinx
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+# corners of a dolfinx cell run in tensor order, those of a surface in cyclic order
+DOLFINX_ORDER = {3: [0, 1, 2], 4: [0, 1, 3, 2], 9: [0, 1, 3, 2, 4, 7, 5, 6, 8]}
+
+
+class Partition:
+    """The part of a surface that this rank works on.
+
+    Attributes
+    ----------
+    surface : meshes.Surface, whole, in the user's numbering
+    mesh : dolfinx.mesh.Mesh
+        Coordinates are relative to `origin`: a garment far from the origin loses no digits.
+    space : fem.FunctionSpace of the nodal field w = (u, d), 6 components
+    nodes : (n_local,) int64, surface node of every local node, owned ones first, then ghosts
+    n_owned, n_local : int
+    directors : (n_local, 3), reference directors
+    origin : (3,) [m]; length : float [m], square root of the area, the scale of the scene
+    """
+
+    def __init__(self, surface, comm=MPI.COMM_WORLD):
+        self.surface, self.comm = surface, comm
+        self.origin = surface.points.mean(axis=0)
+        self.length = float(np.sqrt(surface.area))
+        cells = surface.cells[:, DOLFINX_ORDER[surface.cells.shape[1]]]
+        cell = ufl.Cell(surface.kind, geometric_dimension=3)
+        element = ufl.VectorElement("Lagrange", cell, surface.degree)
+        first = comm.rank == 0
+        self.mesh = dolfinx.mesh.create_mesh(
+            comm,
+            cells if first else np.empty((0, cells.shape[1]), np.int64),
+            surface.points - self.origin if first else np.empty((0, 3)),
+            ufl.Mesh(element),
+            dolfinx.mesh.GhostMode.none,
+        )
+        self.space = fem.VectorFunctionSpace(self.mesh, ("Lagrange", surface.degree), dim=6)
+        index_map = self.space.dofmap.index_map
+        self.n_owned, self.n_local = index_map.size_local, index_map.size_local + index_map.num_ghosts
+        # fields and geometry share one element, so their cell dofmaps correspond entry by entry
+        width = cells.shape[1]
+        original = np.asarray(self.mesh.geometry.input_global_indices)
+        self.nodes = np.full(self.n_local, -1, np.int64)
+        self.nodes[self.space.dofmap.list.array.reshape(-1, width)] = original[
+            self.mesh.geometry.dofmap.array.reshape(-1, width)
+        ]
+        self.owned_nodes = self.nodes[: self.n_owned]
+        self._local = np.full(len(surface.points), -1, np.int64)
+        self._local[self.nodes] = np.arange(self.n_local)
+        self.directors = surface.directors[self.nodes]
+
+    def find(self, where):
+        """Surface node numbers, sorted, of a place in the garment.
+
+        Parameters
+        ----------
+        where : str, callable, (3,) point or numpy array of int
+            Name of an edge; function of points (n, 3) [m] returning a mask (n,); a point, which
+            stands for the nearest node (at most half a cell away); node numbers, as numpy array
+            only, so that the point (10, 0, 0) cannot be taken for three nodes.
+
+        Raises
+        ------
+        ValueError if the name is unknown, nothing is found or a node does not exist
+        """
+        surface = self.surface
+        if isinstance(where, str):
+            return np.unique(self.edge(where))
+        if callable(where):
+            mask = np.asarray(where(surface.points))
+            if mask.shape != (len(surface.points),) or mask.dtype != bool:
+                raise ValueError(
+                    f"a locator must return one boolean per point, shape ({len(surface.points)},); "
+                    f"{getattr(where, '__name__', where)} returned {mask.dtype} {mask.shape}"
+                )
+            found = np.flatnonzero(mask)
+            if len(found) == 0:
+                raise ValueError(
+                    f"the locator {getattr(where, '__name__', where)} selects no node of "
+                    f"{surface.source}; its points span {surface.bounds.tolist()} m"
+                )
+            return found
+        if isinstance(where, np.ndarray) and where.dtype.kind in "iu":
+            if where.size == 0 or where.min() < 0 or where.max() >= len(surface.points):
+                raise ValueError(
+                    f"node numbers must lie in 0..{len(surface.points) - 1} for {surface.source}"
+                )
+            return np.unique(where)
+        where = np.asarray(where, float)
+        if where.shape != (3,):
+            raise ValueError(
+                "a place is an edge name, a function of points, a point (x, y, z) or a numpy "
+                f"array of node numbers, not an array of shape {where.shape}"
+            )
+        distance = np.linalg.norm(surface.points - where, axis=1)
+        nearest = int(distance.argmin())
+        if not distance[nearest] <= 0.5 * surface.mean_cell_size:
+            raise ValueError(
+                f"no node of {surface.source} near {where.tolist()}: the closest, "
+                f"{surface.points[nearest].tolist()}, is {distance[nearest]:.3g} m away"
+            )
+        return np.array([nearest])
+
+    def edge(self, name):
+        """Segments (k, 2 or 3) of a named edge; ValueError if there is none of that name."""
+        edges = self.surface.edges
+        if name not in edges:
+            raise ValueError(
+                f"{self.surface.source} has no edge '{name}'; it has {', '.join(sorted(edges))}"
+            )
+        return edges[name]
+
+    def local(self, nodes):
+        """Local numbers (owned and ghost) of surface nodes, those on this rank only."""
+        local = self._local[nodes]
+        return local[local >= 0]
+
+    def gather(self, owned, root=None):
+        """Nodal values in the surface's numbering from every rank's owned part.
+
+        Parameters
+        ----------
+        owned : (n_owned, k) float
+        root : int or None, the only rank that receives them; None: all ranks
+
+        Returns
+        -------
+        (n, k) float, or None on the other ranks
+        """
+        pair = (self.owned_nodes, np.ascontiguousarray(owned))
+        parts = self.comm.allgather(pair) if root is None else self.comm.gather(pair, root)
+        if parts is None:
+            return None
+        whole = np.empty((len(self.surface.points), *np.shape(owned)[1:]))
+        for nodes, values in parts:
+            whole[nodes] = values
+        return whole

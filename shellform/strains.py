@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Shell strains in UFL and where in the cell each is evaluated: Eqs. 2, 3, 5, 12.
+
+With x = xbar + z d, the Green strain along the element axes (columns G_a of the Jacobian) is
+E_ab(z) = eps_ab + z kap_ab + z^2 chi_ab, and gam_a = x,a . d - X,a . D shears the director.
+Everything is polynomial in the nodal field w = (u, d). What keeps the elements from locking is
+the place and the measure:
+
+* shear, cells with straight sides: at the corners from the two edges that meet there, each at its
+  midpoint, gam_a = x,a . (d + s_a d,a), s = +-1/2. This is exactly MITC4 (Dvorkin and Bathe, 1984)
+  on quads and MITC3 on triangles with corner quadrature: full metric, any shape, one rule.
+* membrane "arcs": a segment of a bent sheet is longer than its chord. Its length is taken from
+  positions and directors, l = |dx|^2/2 + (dx . dd)^2/24, so bending an irregular mesh stays free.
+* curvature "turning": dx . dd of a segment that turns by phi is short by phi^2/12; the factor
+  (1 + dd . dd/12) restores it.
+* 9-node quads: each covariant strain on its own lines, mixed products on 2x2 Gauss.
+
+FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silently; so terms are
+grouped by rule and every rule becomes a form of its own.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+
+GAUSS2 = ((0.5 - 0.5 / np.sqrt(3), 0.5), (0.5 + 0.5 / np.sqrt(3), 0.5))
+GAUSS3 = ((0.5 - 0.5 * np.sqrt(0.6), 5 / 18), (0.5, 4 / 9), (0.5 + 0.5 * np.sqrt(0.6), 5 / 18))
+SIMPSON = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))
+ENDS = ((0.0, 0.5), (1.0, 0.5))
+
+# s1, s2: from a corner to the midpoint of the edge along axis 1, 2; s1 s2 > 0 where the diagonal
+# opposite to the corner runs along x,1 - x,2, < 0 where it runs along x,1 + x,2
+QUAD_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
+# at a triangle's corners 1 and 2 one of the two edges is the diagonal: the pair (s1, s2) is that
+# of the edge along an axis, zero for the other, which the diagonal supplies
+TRIANGLE_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.0], [0.0, -0.5]])
+
+
+def product_rule(first, second):
+    """Metadata of the tensor rule of two one-dimensional rules on [0, 1]."""
+    return _rule([(p, q, a * b) for p, a in first for q, b in second])
+
+
+def _rule(rows):
+    return {
+        "quadrature_rule": "custom",
+        "quadrature_points": tuple((float(p), float(q)) for p, q, _ in rows),
+        "quadrature_weights": tuple(float(c) for *_, c in rows),
+        "quadrature_degree": 1,
+    }
+
+
+RULES = {
+    "corners": product_rule(ENDS, ENDS),
+    "gauss2": product_rule(GAUSS2, GAUSS2),
+    "gauss3": product_rule(GAUSS3, GAUSS3),
+    "gauss23": product_rule(GAUSS2, GAUSS3),
+    "gauss32": product_rule(GAUSS3, GAUSS2),
+    "lines1": product_rule(GAUSS2, SIMPSON),
+    "lines2": product_rule(SIMPSON, GAUSS2),
+    "vertices": _rule([(0, 0, 1 / 6), (1, 0, 1 / 6), (0, 1, 1 / 6)]),
+}
+
+
+@dataclass(frozen=True)
+class Term:
+    """One addend of the strain energy per area: product(strain, strain) / 2 at one rule.
+
+    `strain` maps a configuration to a UFL vector of covariant components, `product` is the
+    symmetric bilinear form of its stiffness.
+    """
+
+    name: str
+    strain: object
+    product: object
+    rule: str
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """Tangents g = (x,1, x,2), director d and its derivatives dd = (d,1, d,2), in element axes."""
+
+    g: tuple
+    d: object
+    dd: tuple
+
+
+def configuration(mesh, w):
+    """Configuration of the field w = (u, d) on a mesh embedded in 3-D, Eq. 5."""
+    jacobian = ufl.Jacobian(mesh)
+    slope = ufl.dot(ufl.grad(w), jacobian)
+    tangents, turns = [], []
+    for a in range(2):
+        tangents.append(ufl.as_vector([jacobian[i, a] + slope[i, a] for i in range(3)]))
+        turns.append(ufl.as_vector([slope[i, a] for i in range(3, 6)]))
+    return Configuration(
+        tuple(tangents), ufl.as_vector([w[i] for i in range(3, 6)]), tuple(turns)
+    )
+
+
+def lamina(mesh, warp):
+    """M[i, a] = l_i . G^a: covariant components to the warp and weft axes of the sheet (Eq. 12).
+
+    `warp` is a UFL 3-vector, projected on the surface; None takes the first element axis, for
+    fabrics without a preferred direction.
+    """
+    jacobian = ufl.Jacobian(mesh)
+    G1, G2 = (ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2))
+    a11, a12, a22 = ufl.dot(G1, G1), ufl.dot(G1, G2), ufl.dot(G2, G2)
+    area = ufl.sqrt(a11 * a22 - a12 * a12)
+    if warp is None:
+        # l1 = G1/|G1|, l2 = n x l1: the dual vectors reduce to the metric
+        root = ufl.sqrt(a11)
+        return ufl.as_matrix([[1 / root, 0], [-a12 / (root * area), root / area]])
+    p, q = ufl.dot(warp, G1), ufl.dot(warp, G2)
+    # contravariant components of the warp's tangential part, then normalised
+    c1, c2 = a22 * p - a12 * q, a11 * q - a12 * p
+    length = ufl.sqrt(c1 * p + c2 * q)
+    return ufl.as_matrix(
+        [[c1 / (area * length), c2 / (area * length)], [-q / length, p / length]]
+    )
+
+
+def voigt(M):
+    """Matrix V with V (e11, e22, e12) = (E11, E22, 2 E12) in lamina axes."""
+    return ufl.as_matrix(
+        [
+            [M[0, 0] ** 2, M[0, 1] ** 2, 2 * M[0, 0] * M[0, 1]],
+            [M[1, 0] ** 2, M[1, 1] ** 2, 2 * M[1, 0] * M[1, 1]],
+            [
+                2 * M[0, 0] * M[1, 0],
+                2 * M[0, 1] * M[1, 1],
+                2 * (M[0, 0] * M[1, 1] + M[0, 1] * M[1, 0]),
+            ],
+        ]
+    )
+
+
+def _from_segments(measure, c, sign):
+    """Components (11, 22, 12) of a quadratic measure from both axes and one diagonal."""
+    (g1, g2), (d1, d2) = c.g, c.dd
+    first, second = measure(g1, d1), measure(g2, d2)
+    diagonal = measure(g1 - sign * g2, d1 - sign * d2)
+    return ufl.as_vector([first, second, sign * 0.5 * (first + second - diagonal)])
+
+
+def membrane_arcs(sign):
+    """Membrane strain from arc lengths; `sign` picks the diagonal seen from the point."""
+    return lambda c: _from_segments(
+        lambda p, q: 0.5 * ufl.dot(p, p) + ufl.dot(p, q) ** 2 / 24, c, sign
+    )
+
+
+def membrane_chords(c):
+    """Membrane strain eps_ab = x,a . x,b / 2."""
+    g1, g2 = c.g
+    return 0.5 * ufl.as_vector([ufl.dot(g1, g1), ufl.dot(g2, g2), ufl.dot(g1, g2)])
+
+
+def curvature(c):
+    """Curvature kap_ab = (x,a . d,b + x,b . d,a) / 2."""
+    (g1, g2), (d1, d2) = c.g, c.dd
+    return ufl.as_vector(
+        [ufl.dot(g1, d1), ufl.dot(g2, d2), 0.5 * (ufl.dot(g1, d2) + ufl.dot(g2, d1))]
+    )
+
+
+def _turning(p, q):
+    return ufl.dot(p, q) * (1 + ufl.dot(q, q) / 12)
+
+
+def curvature_turning(c):
+    """Curvature from turning angles along both axes and both diagonals."""
+    (g1, g2), (d1, d2) = c.g, c.dd
+    twist = (_turning(g1 + g2, d1 + d2) - _turning(g1 - g2, d1 - d2)) / 4
+    return ufl.as_vector([_turning(g1, d1), _turning(g2, d2), twist])
+
+
+def curvature_turning_sides(c):
+    """Curvature from turning angles along the three sides of a triangle."""
+    return _from_segments(_turning, c, 1)
+
+
+def director_strain(c):
+    """chi_ab = d,a . d,b / 2, the part of the strain quadratic in z."""
+    d1, d2 = c.dd
+    return 0.5 * ufl.as_vector([ufl.dot(d1, d1), ufl.dot(d2, d2), ufl.dot(d1, d2)])
+
+
+def shear(c):
+    """Transverse shear gam_a = x,a . d."""
+    return ufl.as_vector([ufl.dot(g, c.d) for g in c.g])
+
+
+def shear_quad_corner(s):
+    """MITC4 shear at a corner from its two edges' midpoints (s: QUAD_CORNERS)."""
+    return lambda c: ufl.as_vector(
+        [ufl.dot(c.g[a], c.d + s[a] * c.dd[a]) for a in range(2)]
+    )
+
+
+def shear_triangle_corner(s):
+    """MITC3 shear at a corner from its two edges' midpoints (s: TRIANGLE_CORNERS)."""
+
+    def strain(c):
+        (g1, g2), (d1, d2) = c.g, c.dd
+        along1, along2 = ufl.dot(g1, c.d + s[0] * d1), ufl.dot(g2, c.d + s[1] * d2)
+        # the diagonal from corner 1 to corner 2, midpoint seen from the present corner;
+        # |s| - 1/2 vanishes for the edges that do not run along the diagonal
+        at1, at2 = -2 * s[0] * (1 - 2 * s[1]), -2 * s[1] * (1 - 2 * s[0])
+        middle = c.d + 0.5 * (at1 * (d2 - d1) + at2 * (d1 - d2))
+        diagonal = ufl.dot(g2 - g1, middle)
+        return ufl.as_vector(
+            [along1 + at2 * (along2 - diagonal - along1), along2 + at1 * (along1 + diagonal - along2)]
+        )
+
+    return strain
+
+
+def shear_cap(mesh, shear_over_bending):
+    """Factor below one on the shear stiffness of a triangle larger than the sheet is thick.
+
+    Three edge shears hold a thin triangle too tightly on irregular meshes. The stiffness
+    S / (1 + S h^2 / (40 D)), h the longest side, keeps the shear a constraint that the mesh can
+    resolve (Lyly, Stenberg and Vihinen, Comput. Methods Appl. Mech. Engrg. 110, 1993: 0.1 h^2/t^2).
+
+    Parameters
+    ----------
+    shear_over_bending : S/D [1/m^2]
+    """
+    jacobian = ufl.Jacobian(mesh)
+    G1, G2 = (ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2))
+    sides = [ufl.dot(side, side) for side in (G1, G2, G1 - G2)]
+    longest = ufl.max_value(sides[0], ufl.max_value(sides[1], sides[2]))
+    return 1 / (1 + longest * shear_over_bending / 40)

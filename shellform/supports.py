@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Held and guided nodes: edge conditions on displacement and director.
+
+An edge of a shell holds its displacement (any of three directions), its director (wholly, or to a
+plane), or both. Conditions add up: two symmetry planes that meet at a node hold its director.
+"""
+
+import numpy as np
+
+AXES = {"x": 0, "y": 1, "z": 2}
+FREE, IN_PLANE, FIXED = 0, 1, 2
+
+
+class Supports:
+    """Conditions on the nodes of a partition, in local numbering (owned and ghost).
+
+    Attributes
+    ----------
+    Q : (n, 3, 3), rows are the axes of each node's displacement unknowns
+    held : (n, 5) bool, unknowns with a prescribed value
+    inclined : (n,) bool, nodes whose axes are not the world's
+    plane : (n, 3), normal of the plane that guides a director, NaN where none
+    """
+
+    def __init__(self, partition):
+        self.partition = partition
+        n = partition.n_local
+        self.Q = np.tile(np.eye(3), (n, 1, 1))
+        self.held = np.zeros((n, 5), bool)
+        self.inclined = np.zeros(n, bool)
+        self.plane = np.full((n, 3), np.nan)
+        self.motions = []  # (local nodes, components, displacement(level), director(level))
+
+    def clamp(self, where):
+        """Hold displacement and director."""
+        self.hold(where)
+        self.hold_director(where)
+
+    def symmetry(self, where, normal):
+        """Edge on a plane of symmetry: neither nodes nor directors leave it."""
+        self.hold_normal(where, normal)
+        self.hold_director(where, plane=normal)
+
+    def hold(self, where, components="xyz"):
+        """Hold displacement components, 'x', 'yz', ... of the nodes at a place."""
+        unknown = set(components) - set(AXES)
+        if unknown or not components:
+            raise ValueError(f"displacement components are x, y, z, not '{components}'")
+        local = self._local(where)
+        upright, inclined = local[~self.inclined[local]], local[self.inclined[local]]
+        for c in components:
+            self.held[upright, AXES[c]] = True
+            for node in inclined:
+                self._hold_direction(node, np.eye(3)[AXES[c]])
+
+    def hold_normal(self, where, normal):
+        """Hold the displacement along one direction (3,) of any inclination."""
+        normal = unit(normal)
+        for node in self._local(where):
+            self._hold_direction(node, normal)
+
+    def hold_director(self, where, plane=None):
+        """Hold the director, or with `plane` (3,) a normal: let it turn in that plane only."""
+        local = self._local(where)
+        if plane is None:
+            self.held[local, 3:] = True
+            return
+        plane = unit(plane)
+        partition = self.partition
+        for node in local:
+            known = self.plane[node]
+            if np.isfinite(known[0]) and abs(abs(known @ plane) - 1) > 1e-12:
+                self.held[node, 3:] = True  # two planes leave one direction
+            else:
+                self.plane[node], self.held[node, 4] = plane, True
+            d = partition.directors[node]
+            off = d @ plane
+            if abs(off) > 0.3:
+                raise ValueError(
+                    f"node {partition.nodes[node]} of {partition.surface.source} cannot keep its "
+                    f"director in the plane with normal {plane.tolist()}: it leans out by "
+                    f"{np.degrees(np.arcsin(min(1.0, abs(off)))):.0f} degrees"
+                )
+            # directors averaged over one side of the plane only lean a little: put them in it
+            d = d - off * plane
+            partition.directors[node] = d / np.linalg.norm(d)
+
+    def move(self, where, displacement=None, director=None):
+        """Prescribe displacement and director of held nodes as functions of the load level.
+
+        Parameters
+        ----------
+        where : as in `Partition.find`
+        displacement : (3,), (k, 3) float or callable(level) returning such [m]
+            An array is reached in proportion to the level. Rows follow the sorted node numbers.
+        director : callable(level) -> (3,) or (k, 3) unit vectors, or None (stays)
+        """
+        partition = self.partition
+        nodes = partition.find(where)
+        rows = np.flatnonzero(partition._local[nodes] >= 0)
+        local = partition._local[nodes[rows]]
+        if np.any(self.inclined[local]):
+            raise ValueError(
+                "a node that slides in an inclined plane cannot also follow a prescribed motion"
+            )
+        if displacement is not None and not callable(displacement):
+            goal = np.array(displacement, float)
+            displacement = lambda level: level * goal  # noqa: E731
+        if displacement is not None:
+            self.held[local, :3] = True
+        if director is not None:
+            self.held[local, 3:] = True
+        self.motions.append((local, rows, displacement, director))
+
+    def prescribed(self, level):
+        """Yield (local nodes, displacements or None, directors or None) at a load level."""
+        for local, rows, displacement, director in self.motions:
+            u = None if displacement is None else _rows(displacement(level), rows)
+            d = None if director is None else _rows(director(level), rows)
+            yield local, u, d
+
+    def _local(self, where):
+        return self.partition.local(self.partition.find(where))
+
+    def _hold_direction(self, node, direction):
+        held = self.held[node, :3]
+        fixed = self.Q[node][held]
+        rest = direction - fixed.T @ (fixed @ direction)
+        size = np.linalg.norm(rest)
+        if size < 1e-9:
+            return
+        rest /= size
+        axis = int(np.abs(rest).argmax())
+        if not self.inclined[node] and abs(abs(rest[axis]) - 1) < 1e-12:
+            held[axis] = True
+            return
+        # rows: what was held, the new direction, then any completion
+        rows = [*fixed, rest]
+        basis = np.linalg.qr(np.column_stack([*rows, np.eye(3)]))[0][:, :3].T
+        basis[: len(rows)] = rows
+        self.Q[node], self.inclined[node] = basis, True
+        self.held[node, :3] = np.arange(3) < len(rows)
+
+
+def unit(vector):
+    """Unit vector (3,) along `vector`; ValueError unless it has three finite numbers, not all 0."""
+    vector = np.asarray(vector, float)
+    if vector.shape != (3,) or not np.all(np.isfinite(vector)) or not vector.any():
+        raise ValueError(f"a direction is three finite numbers, not all zero, not {vector}")
+    return vector / np.linalg.norm(vector)
+
+
+def _rows(values, rows):
+    values = np.asarray(values, float)
+    return np.broadcast_to(values, (len(rows), 3)) if values.ndim == 1 else values[rows]
