@@ -10,10 +10,12 @@ the directors, so the residual does not jump when the base does. The matrix P of
     F = P^T r,   K = P^T K6 P + diag(0, -(r_d . d)),   columns of held unknowns left out.
 """
 
-import numpy as np
-from dolfinx.la import create_petsc_vector
 from mpi4py import MPI
 from petsc4py import PETSc
+
+import numpy as np
+
+from dolfinx.la import create_petsc_vector
 
 from . import director
 
@@ -53,9 +55,7 @@ class Equilibrium:
         self._create_P()
         self.K = None
         self.goal = np.zeros((self.n, 5))
-        self.has_goal = bool(supports.motions) and bool(
-            shell.comm.allreduce(len(supports.motions))
-        )
+        self.has_goal = bool(supports.motions) and bool(shell.comm.allreduce(len(supports.motions)))
         self.set_base()
 
     def destroy(self):

@@ -10,7 +10,8 @@ Every load has an amplitude: a function of the load level; by default the level 
 
 import numpy as np
 
-from .strains import GAUSS2, GAUSS3
+from .element import GAUSS3
+from .interpolation import surface_rule
 
 
 class Loads:
@@ -114,42 +115,6 @@ class Loads:
         owned = whole[self.partition.owned_nodes]
         nodes = np.flatnonzero(owned.any(axis=1))
         self.moments.append((amplitude or _level, nodes, owned[nodes]))
-
-
-def surface_rule(surface):
-    """Quadrature over the reference surface, exact for the nodal weights of its element.
-
-    Yields
-    ------
-    shape : (nodes of a cell,), shape functions; weights : (cells,) [m^2]; at : (cells, 3) points
-    """
-    corners = surface.points[surface.cells]
-    width = surface.cells.shape[1]
-    if width == 3:
-        rule = [(0.5, 0.0, 1 / 6), (0.5, 0.5, 1 / 6), (0.0, 0.5, 1 / 6)]
-    else:
-        line = GAUSS2 if width == 4 else GAUSS3
-        rule = [(p, q, a * b) for p, a in line for q, b in line]
-    for p, q, w in rule:
-        shape, slope1, slope2 = shape_functions(width, p, q)
-        g1, g2 = (np.einsum("i,kij->kj", s, corners) for s in (slope1, slope2))
-        area = np.linalg.norm(np.cross(g1, g2), axis=1)
-        yield shape, w * area, np.einsum("i,kij->kj", shape, corners)
-
-
-def shape_functions(width, p, q):
-    """Shape functions and their two derivatives at (p, q) of a 3-, 4- or 9-node cell, cyclic."""
-    if width == 3:
-        return np.array([1 - p - q, p, q]), np.array([-1.0, 1, 0]), np.array([-1.0, 0, 1])
-    if width == 4:
-        f, df = lambda x: np.array([1 - x, x]), lambda x: np.array([-1.0, 1.0])
-        order = [(0, 0), (1, 0), (1, 1), (0, 1)]
-    else:
-        f = lambda x: np.array([(1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1)])  # noqa: E731
-        df = lambda x: np.array([4 * x - 3, 4 - 8 * x, 4 * x - 1])  # noqa: E731
-        order = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
-    i, j = np.array(order).T
-    return f(p)[i] * f(q)[j], df(p)[i] * f(q)[j], f(p)[i] * df(q)[j]
 
 
 def _level(level):

@@ -6,11 +6,13 @@ that dolfinx assigned. Whatever the user names (an edge, a locator function, nod
 is resolved in the surface's own numbering, the same on every rank, then cut to the rank.
 """
 
-import dolfinx
+from mpi4py import MPI
+
 import numpy as np
+
+import dolfinx
 import ufl
 from dolfinx import fem
-from mpi4py import MPI
 
 # corners of a dolfinx cell run in tensor order, those of a surface in cyclic order
 DOLFINX_ORDER = {3: [0, 1, 2], 4: [0, 1, 3, 2], 9: [0, 1, 3, 2, 4, 7, 5, 6, 8]}
@@ -48,7 +50,10 @@ class Partition:
         )
         self.space = fem.VectorFunctionSpace(self.mesh, ("Lagrange", surface.degree), dim=6)
         index_map = self.space.dofmap.index_map
-        self.n_owned, self.n_local = index_map.size_local, index_map.size_local + index_map.num_ghosts
+        self.n_owned, self.n_local = (
+            index_map.size_local,
+            index_map.size_local + index_map.num_ghosts,
+        )
         # fields and geometry share one element, so their cell dofmaps correspond entry by entry
         width = cells.shape[1]
         original = np.asarray(self.mesh.geometry.input_global_indices)

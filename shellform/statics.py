@@ -7,9 +7,9 @@ A step that does not converge is cut back and retried; later steps grow again.
 
 from dataclasses import dataclass
 
-import numpy as np
-from mpi4py import MPI
 from petsc4py import PETSc
+
+import numpy as np
 
 from .equilibrium import Equilibrium
 
@@ -143,7 +143,7 @@ class Statics:
                 part = 0.5 * min(part, goal - start)
                 if abs(part) < smallest * abs(whole):
                     raise NotConverged(
-                        f"no equilibrium between load levels {start:.6g} and {start + 2 * part:.6g}: "
+                        f"no equilibrium between levels {start:.6g} and {start + 2 * part:.6g}: "
                         f"SNES says {self.reason}. The state at {start:.6g} is kept; try smaller "
                         "steps, more inertia (dynamics) or check the supports"
                     )

@@ -1,80 +1,32 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Shell strains in UFL and where in the cell each is evaluated: Eqs. 2, 3, 5, 12.
+"""Shell strains in UFL: Eqs. 3, 5, 12.
 
 With x = xbar + z d, the Green strain along the element axes (columns G_a of the Jacobian) is
 E_ab(z) = eps_ab + z kap_ab + z^2 chi_ab, and gam_a = x,a . d - X,a . D shears the director.
-Everything is polynomial in the nodal field w = (u, d). What keeps the elements from locking is
-the place and the measure:
+Everything is polynomial in the nodal field w = (u, d). Vectors hold the components (11, 22, 12).
 
-* shear, cells with straight sides: at the corners from the two edges that meet there, each at its
-  midpoint, gam_a = x,a . (d + s_a d,a), s = +-1/2. This is exactly MITC4 (Dvorkin and Bathe, 1984)
-  on quads and MITC3 on triangles with corner quadrature: full metric, any shape, one rule.
+What keeps the elements from locking is what is measured, and where (element.py):
+
+* shear at a corner from the two edges that meet there, each at its midpoint,
+  gam_a = x,a . (d + s_a d,a), s = +-1/2. This is MITC4 (Dvorkin and Bathe, Eng. Comput. 1, 1984)
+  on quads and MITC3 on triangles, evaluated at the corners.
 * membrane "arcs": a segment of a bent sheet is longer than its chord. Its length is taken from
   positions and directors, l = |dx|^2/2 + (dx . dd)^2/24, so bending an irregular mesh stays free.
 * curvature "turning": dx . dd of a segment that turns by phi is short by phi^2/12; the factor
   (1 + dd . dd/12) restores it.
-* 9-node quads: each covariant strain on its own lines, mixed products on 2x2 Gauss.
-
-FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silently; so terms are
-grouped by rule and every rule becomes a form of its own.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+
 import ufl
 
-GAUSS2 = ((0.5 - 0.5 / np.sqrt(3), 0.5), (0.5 + 0.5 / np.sqrt(3), 0.5))
-GAUSS3 = ((0.5 - 0.5 * np.sqrt(0.6), 5 / 18), (0.5, 4 / 9), (0.5 + 0.5 * np.sqrt(0.6), 5 / 18))
-SIMPSON = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))
-ENDS = ((0.0, 0.5), (1.0, 0.5))
-
-# s1, s2: from a corner to the midpoint of the edge along axis 1, 2; s1 s2 > 0 where the diagonal
-# opposite to the corner runs along x,1 - x,2, < 0 where it runs along x,1 + x,2
+# s1, s2: from a corner to the midpoint of the edge along axis 1, 2, corners in tensor order
 QUAD_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
-# at a triangle's corners 1 and 2 one of the two edges is the diagonal: the pair (s1, s2) is that
-# of the edge along an axis, zero for the other, which the diagonal supplies
+# at a triangle's corners 1 and 2 one of the two edges is the diagonal: s is that of the edge
+# along an axis and zero for the other, which the diagonal supplies
 TRIANGLE_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.0], [0.0, -0.5]])
-
-
-def product_rule(first, second):
-    """Metadata of the tensor rule of two one-dimensional rules on [0, 1]."""
-    return _rule([(p, q, a * b) for p, a in first for q, b in second])
-
-
-def _rule(rows):
-    return {
-        "quadrature_rule": "custom",
-        "quadrature_points": tuple((float(p), float(q)) for p, q, _ in rows),
-        "quadrature_weights": tuple(float(c) for *_, c in rows),
-        "quadrature_degree": 1,
-    }
-
-
-RULES = {
-    "corners": product_rule(ENDS, ENDS),
-    "gauss2": product_rule(GAUSS2, GAUSS2),
-    "gauss3": product_rule(GAUSS3, GAUSS3),
-    "gauss23": product_rule(GAUSS2, GAUSS3),
-    "gauss32": product_rule(GAUSS3, GAUSS2),
-    "lines1": product_rule(GAUSS2, SIMPSON),
-    "lines2": product_rule(SIMPSON, GAUSS2),
-    "vertices": _rule([(0, 0, 1 / 6), (1, 0, 1 / 6), (0, 1, 1 / 6)]),
-}
-
-
-@dataclass(frozen=True)
-class Term:
-    """One addend of the strain energy per area: product(strain, strain) / 2 at one rule.
-
-    `strain` maps a configuration to a UFL vector of covariant components, `product` is the
-    symmetric bilinear form of its stiffness.
-    """
-
-    name: str
-    strain: object
-    product: object
-    rule: str
 
 
 @dataclass(frozen=True)
@@ -94,9 +46,7 @@ def configuration(mesh, w):
     for a in range(2):
         tangents.append(ufl.as_vector([jacobian[i, a] + slope[i, a] for i in range(3)]))
         turns.append(ufl.as_vector([slope[i, a] for i in range(3, 6)]))
-    return Configuration(
-        tuple(tangents), ufl.as_vector([w[i] for i in range(3, 6)]), tuple(turns)
-    )
+    return Configuration(tuple(tangents), ufl.as_vector([w[i] for i in range(3, 6)]), tuple(turns))
 
 
 def lamina(mesh, warp):
@@ -117,9 +67,7 @@ def lamina(mesh, warp):
     # contravariant components of the warp's tangential part, then normalised
     c1, c2 = a22 * p - a12 * q, a11 * q - a12 * p
     length = ufl.sqrt(c1 * p + c2 * q)
-    return ufl.as_matrix(
-        [[c1 / (area * length), c2 / (area * length)], [-q / length, p / length]]
-    )
+    return ufl.as_matrix([[c1 / (area * length), c2 / (area * length)], [-q / length, p / length]])
 
 
 def voigt(M):
@@ -195,9 +143,7 @@ def shear(c):
 
 def shear_quad_corner(s):
     """MITC4 shear at a corner from its two edges' midpoints (s: QUAD_CORNERS)."""
-    return lambda c: ufl.as_vector(
-        [ufl.dot(c.g[a], c.d + s[a] * c.dd[a]) for a in range(2)]
-    )
+    return lambda c: ufl.as_vector([ufl.dot(c.g[a], c.d + s[a] * c.dd[a]) for a in range(2)])
 
 
 def shear_triangle_corner(s):
@@ -212,7 +158,10 @@ def shear_triangle_corner(s):
         middle = c.d + 0.5 * (at1 * (d2 - d1) + at2 * (d1 - d2))
         diagonal = ufl.dot(g2 - g1, middle)
         return ufl.as_vector(
-            [along1 + at2 * (along2 - diagonal - along1), along2 + at1 * (along1 + diagonal - along2)]
+            [
+                along1 + at2 * (along2 - diagonal - along1),
+                along2 + at1 * (along1 + diagonal - along2),
+            ]
         )
 
     return strain

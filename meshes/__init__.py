@@ -1,0 +1,56 @@
+"""Surfaces of garments as plain arrays: panels, imported files, repair and named edges.
+
+Nothing here knows finite elements. Lengths are in m; a Surface has passed `check` when it exists.
+"""
+# SPDX-License-Identifier: LGPL-3.0-or-later
+
+from .geometry import nodal_normals
+from .load import load, save
+from .panel import (
+    annulus,
+    cylinder,
+    disc,
+    distorted,
+    from_outline,
+    patch,
+    rectangle,
+    skewed,
+    spherical_cap,
+)
+from .repair import (
+    boundary_loops,
+    clean,
+    elevate,
+    merge_duplicates,
+    orient,
+    scaled_jacobian,
+    split_triangles,
+    to_triangles,
+)
+from .surface import MeshError, Surface, check
+
+__all__ = [
+    "MeshError",
+    "Surface",
+    "annulus",
+    "boundary_loops",
+    "check",
+    "clean",
+    "cylinder",
+    "disc",
+    "distorted",
+    "elevate",
+    "from_outline",
+    "load",
+    "merge_duplicates",
+    "nodal_normals",
+    "orient",
+    "patch",
+    "rectangle",
+    "save",
+    "scaled_jacobian",
+    "skewed",
+    "spherical_cap",
+    "split_triangles",
+    "to_triangles",
+]
