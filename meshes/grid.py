@@ -186,7 +186,7 @@ def _node_parameters(counts, degree, parameters, closed):
     if degree == 2:
         for axis in (0, 1):
             nodes = np.moveaxis(nodes, axis, 0)
-            finer = np.empty((2 * len(nodes) - 1,) + nodes.shape[1:])
+            finer = np.empty((2 * len(nodes) - 1, *nodes.shape[1:]))
             finer[0::2] = nodes
             finer[1::2] = 0.5 * (nodes[1:] + nodes[:-1])
             nodes = np.moveaxis(finer, 0, axis)

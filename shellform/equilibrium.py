@@ -49,8 +49,7 @@ class Equilibrium:
         self.held = supports.held
         self.Q = supports.Q if supports.inclined.any() else None
         self._Q_owned = None if self.Q is None else self.Q[: self.n_owned]
-        w = self._w()
-        self.T = director.tangent_frames(w[:, 3:], supports.plane)
+        self.T = director.tangent_frames(self._w()[:, 3:], supports.plane)
         self.K6 = shell.create_tangent()
         self._create_P()
         self.K = None
@@ -78,6 +77,11 @@ class Equilibrium:
     def restore(self, state):
         """Return to a configuration of `state()`."""
         self._w()[:], self.T[:] = state
+        self.set_base()
+
+    def adopt(self):
+        """Take the shell's field, set from outside, as the present configuration."""
+        self.T = director.tangent_frames(self._w()[:, 3:], self.shell.supports.plane)
         self.set_base()
 
     def set_base(self):

@@ -95,9 +95,12 @@ def _from_segments(measure, c, sign):
 
 def membrane_arcs(sign):
     """Membrane strain from arc lengths; `sign` picks the diagonal seen from the point."""
-    return lambda c: _from_segments(
-        lambda p, q: 0.5 * ufl.dot(p, p) + ufl.dot(p, q) ** 2 / 24, c, sign
-    )
+
+
+    def half_length_squared(p, q):
+        return 0.5 * ufl.dot(p, p) + ufl.dot(p, q) ** 2 * (1 + 2 * ufl.dot(q, q) / 15) / 24
+
+    return lambda c: _from_segments(half_length_squared, c, sign)
 
 
 def membrane_chords(c):
@@ -115,7 +118,8 @@ def curvature(c):
 
 
 def _turning(p, q):
-    return ufl.dot(p, q) * (1 + ufl.dot(q, q) / 12)
+    square = ufl.dot(q, q)
+    return ufl.dot(p, q) * (1 + square / 12 + square**2 / 90)
 
 
 def curvature_turning(c):

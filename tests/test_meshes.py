@@ -319,7 +319,7 @@ def test_from_outline(capfd):
 
 
 def test_from_outline_side_and_plane():
-    clockwise = meshes.from_outline(L_SHAPE[::-1] + [L_SHAPE[-1]], 0.4)
+    clockwise = meshes.from_outline([*L_SHAPE[::-1], L_SHAPE[-1]], 0.4)
     assert np.all(facing(clockwise)[:, 2] > 0.999)
     outline = clockwise.edges["outline"]
     assert outline[-1, 1] == outline[0, 0]
@@ -375,7 +375,7 @@ def with_point(index, value):
         ({"points": with_point(5, (1.2, 0.2, 0))}, ["cell 1", "concave", "point 5"]),
         ({"points": with_point(5, (1.5, 0.5, 0))}, ["cell 1", "concave"]),
         ({"points": SQUARE * [1, 0, 0] + [0, 0, 1]}, ["cell 0"]),
-        ({"cells": TWO + [[4, 3, 0, 1]]}, ["cells 0 and 2", "same points"]),
+        ({"cells": [*TWO, [4, 3, 0, 1]]}, ["cells 0 and 2", "same points"]),
         ({"cells": [[0, 1, 4, 3], [1, 4, 5, 2]]}, ["cells 0 and 1", "meshes.orient"]),
         ({"cells": TWO[:1]}, ["point 2", "2 such points", "meshes.clean"]),
         ({"cells": np.empty((0, 4), int)}, ["empty", "0 cells"]),
@@ -439,13 +439,13 @@ def test_folded_nine_node_cell():
     panel = meshes.rectangle(1.0, 1.0, (2, 2), degree=2)
     points = panel.points.copy()
     points[panel.cells[3, 8]] += [0.3, 0, 0]
-    with pytest.raises(MeshError, match="cell 3 .*folded"):
+    with pytest.raises(MeshError, match=r"cell 3 .*folded"):
         panel.replace(points=points)
 
 
 def test_flat_fold_has_no_normal():
     points = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 0, 1e-13]])
-    with pytest.raises(MeshError, match="point 0 fold back .* give the directors"):
+    with pytest.raises(MeshError, match=r"point 0 fold back .* give the directors"):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             Surface(points, [[0, 1, 2], [1, 0, 3]])
@@ -461,6 +461,8 @@ def test_coincident_points_warn():
     # Named on either side it is a slit, and no cause for a warning.
     with pytest.warns(UserWarning):
         Surface(points, cells, edges={"rim": [[1, 4], [6, 7]]})
+    with pytest.warns(UserWarning):
+        Surface(points, cells, edges={"left": [[1, 4]]})
     Surface(points, cells, edges={"left": [[1, 4]], "right": [[6, 7]]})
 
 
@@ -539,7 +541,7 @@ def test_chain_orders_segments():
 )
 def test_orient_undoes_random_flips(surface):
     mixed = shuffled(surface)
-    with pytest.raises(MeshError, match="shuffled: neighbouring cells .* face opposite"):
+    with pytest.raises(MeshError, match=r"shuffled: neighbouring cells .* face opposite"):
         mixed.replace(verify=True)
     back = meshes.orient(mixed).replace(verify=True)
     along = np.einsum("mi,mi->m", facing(back), facing(surface))
@@ -567,7 +569,7 @@ def test_orient_preferences():
     assert np.array_equal(down.directors, -flat.directors)
     assert np.array_equal(down.edges["left"], flat.edges["left"])
     two = Surface(
-        np.vstack([SQUARE, SQUARE + [9, 0, 0]]),
+        np.vstack([SQUARE, np.add(SQUARE, [9, 0, 0])]),
         [[0, 1, 4, 3], [1, 2, 5, 4], [6, 9, 10, 7], [7, 10, 11, 8]],
     )
     up = meshes.orient(two, towards=(0, 0, 1))
@@ -623,6 +625,15 @@ def test_merge_and_clean():
     ring = meshes.annulus(1.0, 2.0, (8, 2))
     closed = meshes.merge_duplicates(ring)
     assert euler(closed) == 0 and np.allclose(closed.directors, [0, 0, 1])
+    # A sliver of an edge between two joined points is no segment any more.
+    sliver = Surface(
+        [*SQUARE.tolist(), [1, -1e-9, 0]],
+        [[0, 6, 4, 3], [1, 2, 5, 4]],
+        edges={"low": [[0, 6], [6, 1], [1, 2]]},
+        verify=False,
+    )
+    low = meshes.merge_duplicates(sliver, 1e-6).replace(verify=True).edges["low"]
+    assert np.array_equal(low, [[0, 1], [1, 2]])
     loose = Surface(
         np.vstack([[[9, 9, 9]], panel.points, [[8, 8, 8]]]),
         panel.cells + 1,
@@ -666,7 +677,7 @@ def test_split_triangles():
     assert split.edges["top"].shape == (16, 2)
     assert np.array_equal(split.edges["top"][1:, 0], split.edges["top"][:-1, 1])
     assert np.array_equal(split.panels["p"], [0, 1, 2, 15, 16, 17])
-    assert split.warp.shape == split.cells.shape[:1] + (3,)
+    assert split.warp.shape == (len(split.cells), 3)
     assert np.allclose(np.linalg.norm(split.directors, axis=1), 1.0)
     assert np.allclose(split.directors[: len(tube.points)], tube.directors)
     with pytest.raises(ValueError, match="quads already"):
@@ -798,7 +809,7 @@ def test_warp_and_overlapping_panels(tmp_path):
     with pytest.raises(MeshError, match="'left' names both"):
         meshes.save(both, tmp_path / "x.msh")
     assert not (tmp_path / "x.msh").exists()
-    with pytest.raises(MeshError, match="unknown file type '.doc'"):
+    with pytest.raises(MeshError, match=r"unknown file type '.doc'"):
         meshes.save(surface, tmp_path / "x.doc")
 
 
@@ -806,6 +817,11 @@ def test_save_is_all_or_nothing(tmp_path, monkeypatch):
     meshio = pytest.importorskip("meshio")
     path = tmp_path / "x.vtu"
     meshes.save(meshes.rectangle(0.5, 0.5, (2, 2)), path)
+    before = path.read_bytes()
+    # Whoever has the old file open keeps reading the old file.
+    with open(path, "rb") as reader:
+        meshes.save(meshes.rectangle(0.5, 0.5, (4, 4)), path)
+        assert reader.read() == before != path.read_bytes()
     before = path.read_bytes()
 
     def fail(name, *rest, **options):
@@ -897,7 +913,7 @@ def test_load_refuses(tmp_path, name, text, words, capfd):
 
 
 def test_load_missing_file(tmp_path):
-    with pytest.raises(MeshError, match="shirt.vtu: there is no such file"):
+    with pytest.raises(MeshError, match=r"shirt.vtu: there is no such file"):
         meshes.load(tmp_path / "shirt.vtu")
 
 
@@ -906,8 +922,19 @@ def test_load_mixed_with_curved(tmp_path):
     panel = meshes.rectangle(0.5, 0.5, (2, 1), degree=2)
     cells = [("quad9", panel.cells[:1]), ("quad", panel.cells[1:, :4])]
     meshio.write_points_cells(tmp_path / "x.vtu", panel.points, cells)
-    with pytest.raises(MeshError, match="x.vtu: 9-node quads are mixed"):
+    with pytest.raises(MeshError, match=r"x.vtu: 9-node quads are mixed"):
         meshes.load(tmp_path / "x.vtu")
+
+
+def test_load_leaves_out_stray_segments(tmp_path):
+    meshio = pytest.importorskip("meshio")
+    panel = meshes.rectangle(0.5, 0.5, (2, 2))
+    cells = [("quad", panel.cells), ("line", [[0, 1], [0, 8]])]
+    flags = {"edge:hem": [np.zeros(4, dtype=int), np.ones(2, dtype=int)]}
+    meshio.write_points_cells(tmp_path / "x.vtu", panel.points, cells, cell_data=flags)
+    with pytest.warns(UserWarning, match=r"x.vtu: 1 segments of 'hem' lie along no side"):
+        surface = meshes.load(tmp_path / "x.vtu")
+    assert np.array_equal(surface.edges["hem"], [[0, 1]])
 
 
 def test_load_straightens_quadratic_triangles(tmp_path):
