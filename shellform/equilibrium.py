@@ -10,6 +10,9 @@ the directors, so the residual does not jump when the base does. The matrix P of
     F = P^T r,   K = P^T K6 P + diag(0, -(r_d . d)),   columns of held unknowns left out.
 """
 
+import functools
+import time
+
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -18,6 +21,19 @@ import numpy as np
 from dolfinx.la import create_petsc_vector
 
 from . import director
+
+
+def _timed(assemble):
+    """Count a method's seconds to `assembly_seconds`."""
+
+    @functools.wraps(assemble)
+    def counted(self, *arguments):
+        start = time.perf_counter()
+        result = assemble(self, *arguments)
+        self.assembly_seconds += time.perf_counter() - start
+        return result
+
+    return counted
 
 
 class Equilibrium:
@@ -33,10 +49,12 @@ class Equilibrium:
     x : PETSc.Vec, the unknowns; F : PETSc.Vec; K : PETSc.Mat
     level : float, load level
     reaction : (n_owned, 5), forces of the held unknowns at the last residual [N]
+    assembly_seconds : float, spent in residuals and tangents
     """
 
     def __init__(self, shell, mip=True):
         self.shell, self.mip, self.level = shell, mip, 0.0
+        self.assembly_seconds = 0.0
         partition, supports = shell.partition, shell.supports
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
@@ -133,6 +151,7 @@ class Equilibrium:
         if self.has_goal:
             self._set_goal()
 
+    @_timed
     def residual(self, x, F):
         """F(x) [N], zero on held unknowns that have reached their prescribed value."""
         self.configure(x)
@@ -144,6 +163,7 @@ class Equilibrium:
             self._lift(x, r5)
         F.setArray(r5.ravel())
 
+    @_timed
     def tangent(self, x):
         """K at x, symmetric unless a moment or pressure makes it otherwise."""
         self.configure(x)

@@ -116,6 +116,21 @@ class Shell:
         pressure = self._compiled["pressure"] if self.loads.pressures else []
         return self._compiled["strain"] + pressure
 
+    def plan(self):
+        """What is modelled: the energy terms with their rules, and the loads present."""
+        terms = energy_terms(self.mesh, self.surface, self.fabric, **self.options)
+        loads = {
+            "forces": len(self.loads.forces),
+            "moments": len(self.loads.moments),
+            "pressures": len(self.loads.pressures),
+        }
+        return {
+            "element": f"{self.surface.kind} of degree {self.surface.degree}",
+            "terms": [f"{term.name} at {term.rule}" for term in terms],
+            "inertia": False,
+            "loads": {kind: count for kind, count in loads.items() if count},
+        }
+
     def displacements(self):
         """Displacements (n, 3) [m] in the surface's numbering, on every rank."""
         return self._gathered()[:, :3]

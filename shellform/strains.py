@@ -96,7 +96,6 @@ def _from_segments(measure, c, sign):
 def membrane_arcs(sign):
     """Membrane strain from arc lengths; `sign` picks the diagonal seen from the point."""
 
-
     def half_length_squared(p, q):
         return 0.5 * ufl.dot(p, p) + ufl.dot(p, q) ** 2 * (1 + 2 * ufl.dot(q, q) / 15) / 24
 

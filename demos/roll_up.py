@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+r"""A strip rolled up by an end moment: the validation problem of the paper's Fig. 5.
+
+A flat strip is clamped at x = 0. A moment M about -y, constant along the other end, bends it to
+the curvature kappa = M/D: one full turn at M = 2 pi D/L. In the limit of a thin sheet the exact
+shape is a circle,
+
+    x(s) = sin(kappa s)/kappa,   z(s) = (1 - cos(kappa s))/kappa.
+
+A sheet of finite thickness stretches a little as it bends (by about t^2 kappa^2/12), so the
+distance to the circle stops falling there. The long edges slide in their planes: a free strip
+would leave the plane sideways beyond three quarters of a turn, a true instability.
+
+    python demos/roll_up.py --cells 16 --turns 1 --steps 20 --out out/roll_up
+    mpirun -n 2 python demos/roll_up.py --turns 2 -shell_snes_monitor
+
+prints a table and leaves summary.json, roll_up.png and a series for ParaView in the folder.
+"""
+
+import argparse
+import time
+
+from mpi4py import MPI
+
+import numpy as np
+
+import meshes
+from shellform import Fabric, Shell, Statics, command
+from shellform.results import Report, Series
+
+COMM = MPI.COMM_WORLD
+
+
+def arguments(given):
+    parser = argparse.ArgumentParser(
+        description="Roll a strip up by an end moment and compare it with the exact circle.",
+        epilog="Options with one dash go to PETSc, as -shell_snes_monitor.",
+    )
+    positive = command.positive
+    parser.add_argument("--cells", type=positive(int), help="along the strip (default: accuracy)")
+    parser.add_argument("--degree", type=int, choices=(1, 2), default=1, help="of the quads")
+    parser.add_argument("--thickness", type=positive(float), default=0.01, help="m")
+    parser.add_argument("--length", type=positive(float), default=12.0, help="m")
+    parser.add_argument("--turns", type=float, default=1.0, help="at full load")
+    parser.add_argument("--steps", type=positive(int), help="load steps (default: 20 a turn)")
+    parser.add_argument("--accuracy", type=command.accuracy, default=0.001, metavar="N%")
+    parser.add_argument("--out", default="out/roll_up", help="folder for results")
+    options = command.parse(parser, given)
+    if not np.isfinite(options.turns) or options.turns == 0:
+        parser.error("--turns must be a finite number other than zero")
+    if options.cells is None:
+        options.cells = cells_for(options.accuracy, options.turns, options.degree)
+    if options.steps is None:
+        options.steps = max(1, int(np.ceil(20 * abs(options.turns))))
+    return options
+
+
+def cells_for(error, turns, degree):
+    """Cells that keep the tip within `error` of the length, from measured convergence.
+
+    A cell that turns by phi [rad] leaves 0.0066 phi^6 (4-node quads) or 0.0127 phi^4 (9-node).
+    """
+    factor, order = ((0.0066, 6), (0.0127, 4))[degree - 1]
+    return max(2, int(np.ceil(2 * np.pi * abs(turns) / (error / factor) ** (1 / order))))
+
+
+def circle(kappa, s):
+    """Points (k, 3) of the exact shape at arc lengths s (k,)."""
+    angle = kappa * s
+    x = s * np.sinc(angle / np.pi)
+    z = 0.5 * kappa * s**2 * np.sinc(angle / (2 * np.pi)) ** 2
+    return np.column_stack([x, 0 * s, z])
+
+
+def main(given=None):
+    # ## The strip
+    #
+    # One row of cells; nu = 0, so that the strip is a beam. Only the ratio M/D matters.
+    options = arguments(given)
+    report = Report(options.out, "roll_up", vars(options), COMM)
+    length, turns = options.length, options.turns
+    with report.stage("setup"):
+        strip = meshes.rectangle(length, length / 12, (options.cells, 1), degree=options.degree)
+        fabric = Fabric.isotropic(1.2e6, 0.0, options.thickness, 1000.0)
+        shell = Shell(strip, fabric, COMM)
+
+        # ## Supports and load
+        #
+        # The moment grows with the load level from 0 to 1.
+        kappa = 2 * np.pi * turns / length
+        shell.supports.clamp("left")
+        shell.supports.symmetry("bottom", (0, 1, 0))
+        shell.supports.symmetry("top", (0, 1, 0))
+        shell.loads.edge_moment("right", (0, -kappa * fabric.bending[0, 0], 0))
+        report.describe(shell)
+    with report.stage("compile"):
+        shell.forms()
+
+    # ## Load steps
+    with report.stage("setup"):
+        statics = Statics(shell)
+    levels = np.linspace(0, 1, options.steps + 1)[1:]
+    shown = {options.steps * k // 5 for k in range(1, 6)}
+    frames, exact, rows, iterations = [], [], [], []
+    series = Series(options.out)
+    march = command.progress(statics.march(levels), options.steps, "roll-up")
+    start = time.perf_counter()
+    for k, step in enumerate(march, start=1):
+        report.seconds["solve"] += time.perf_counter() - start
+        iterations.append(step.iterations)
+        with report.stage("output"):
+            tip = shell.displacement_at((length, 0, 0)) + (length, 0, 0)
+            goal = circle(kappa * step.level, np.array([length]))[0]
+            error = np.linalg.norm(tip - goal) / length
+            rows.append((step.level, *tip[[0, 2]], *goal[[0, 2]], error, step.iterations))
+            if k in shown:
+                label = f"{step.level * turns:g} turn"
+                frames.append((label, shell.positions(), shell.directors(), strip.cells))
+                exact.append(circle(kappa * step.level, np.linspace(0, length, 400)))
+                series.write(shell, step.level)
+        start = time.perf_counter()
+    report.shift(statics.equilibrium.assembly_seconds, "solve", "assemble")
+
+    # ## Results
+    if COMM.rank == 0:
+        print(f"{options.cells} x 1 cells of degree {options.degree}, t = {options.thickness:g} m")
+        print(f"{'turns':>8} {'x':>10} {'z':>10} {'x exact':>10} {'z exact':>10}  error/L  Newton")
+        for level, x, z, x_exact, z_exact, error, newton in rows:
+            shape = f"{level * turns:8.3f} {x:10.5f} {z:10.5f} {x_exact:10.5f} {z_exact:10.5f}"
+            print(f"{shape}  {error:.1e}  {newton:6d}")
+        with report.stage("output"):
+            from shellform.pictures import roll_up_picture
+
+            title = f"Roll-up, {options.cells} cells, tip within {error:.1e} of the length"
+            roll_up_picture(report.folder / "roll_up.png", frames, exact, title)
+    report.write(
+        {
+            "tip": tip,
+            "tip_exact": goal,
+            "tip_error_over_length": error,
+            "newton_iterations_per_step": iterations,
+        },
+        steps=len(statics.steps),
+        newton_iterations=sum(step.iterations for step in statics.steps),
+        cutbacks=statics.cutbacks,
+    )
+    if COMM.rank == 0:
+        print(f"wrote {report.folder}/summary.json, roll_up.png, series.pvd")
+
+
+if __name__ == "__main__":
+    command.run(main)

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pictures of surfaces: parallel projection, near cells drawn over far ones.
+
+matplotlib only, no finite elements: pictures can be drawn anywhere from the files of a run.
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+CLOTH, BACK, EDGE = "#7aa6c2", "#c9b79c", "#1f3440"
+
+
+def view_axes(azimuth, elevation):
+    """Right, up and towards-the-eye unit vectors (3, 3) of a parallel view; angles in degrees."""
+    a, e = np.radians([azimuth, elevation])
+    eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return np.array([right, np.cross(eye, right), eye])
+
+
+def smooth(points, directors, cells, parts):
+    """Cells cut into parts x parts facets that follow the directors.
+
+    Between two nodes the surface bulges by a (1 - a) (dx . dd) d / 2: the arc whose length the
+    membrane strain measures, not its chord.
+
+    Parameters
+    ----------
+    points, directors : (n, 3); cells : (m, 4) quads in cyclic order; parts : int
+
+    Returns
+    -------
+    facets : (m parts^2, 4, 3); sides : (k, 2, 3), pieces of the cells' sides
+    """
+    x, d = points[cells], directors[cells]
+    a = np.linspace(0, 1, parts + 1)
+    A, B = np.meshgrid(a, a, indexing="ij")
+    shape = np.stack([(1 - A) * (1 - B), A * (1 - B), A * B, (1 - A) * B])
+    place = np.einsum("kab,mki->mabi", shape, x)
+    normal = np.einsum("kab,mki->mabi", shape, d)
+
+    def bulge(i, j):
+        return 0.5 * np.sum((x[:, j] - x[:, i]) * (d[:, j] - d[:, i]), axis=1)[:, None, None]
+
+    along = A * (1 - A) * ((1 - B) * bulge(0, 1) + B * bulge(3, 2))
+    across = B * (1 - B) * ((1 - A) * bulge(0, 3) + A * bulge(1, 2))
+    place += (along + across)[..., None] * normal
+    corners = [place[:, :-1, :-1], place[:, 1:, :-1], place[:, 1:, 1:], place[:, :-1, 1:]]
+    facets = np.stack(corners, axis=3).reshape(-1, 4, 3)
+    borders = [place[:, :, 0], place[:, :, -1], place[:, 0], place[:, -1]]
+    sides = [np.stack([p[:, :-1], p[:, 1:]], axis=2).reshape(-1, 2, 3) for p in borders]
+    return facets, np.concatenate(sides)
+
+
+def facets_and_sides(points, directors, cells):
+    """Facets to draw and the cells' sides, for cells with 3, 4 or 9 nodes."""
+    if cells.shape[1] == 4:
+        return smooth(points, directors, cells, 4 if len(cells) < 2000 else 1)
+    rings = {3: [[0, 1, 2]], 9: [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]]}
+    rims = {3: [0, 1, 2, 0], 9: [0, 4, 1, 5, 2, 6, 3, 7, 0]}
+    facets = np.concatenate([points[cells[:, ring]] for ring in rings[cells.shape[1]]])
+    rim = points[cells[:, rims[cells.shape[1]]]]
+    return facets, np.stack([rim[:, :-1], rim[:, 1:]], axis=2).reshape(-1, 2, 3)
+
+
+def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
+    """Draw shaded surfaces, hidden parts hidden.
+
+    Parameters
+    ----------
+    axes : matplotlib axes
+    surfaces : list of (facets (m, k, 3), sides (s, 2, 3) or None, front colour, back colour)
+        A facet shows its front colour where its normal looks at the eye.
+    azimuth, elevation : float, degrees
+    """
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb, to_rgba
+
+    view = view_axes(azimuth, elevation)
+    light = view.T @ np.array([-0.3, 0.5, 0.8]) / np.linalg.norm([-0.3, 0.5, 0.8])
+    polygons, faces, edges, depths = [], [], [], []
+    for facets, sides, front, back in surfaces:
+        normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, -1] - facets[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        shade = 0.5 + 0.5 * np.abs(normal @ light)
+        front_seen = (normal @ view[2] >= 0)[:, None]
+        colour = np.where(front_seen, to_rgb(front), to_rgb(back)) * shade[:, None]
+        colour = np.column_stack([colour, np.ones(len(colour))])
+        seen = facets @ view.T
+        polygons.extend(seen[:, :, :2])
+        faces.append(colour)
+        edges.append(colour)
+        depths.append(seen[:, :, 2].mean(axis=1))
+        if sides is not None:
+            seen = sides @ view.T
+            polygons.extend(seen[:, :, :2])
+            faces.append(np.zeros((len(sides), 4)))
+            edges.append(np.tile(to_rgba(EDGE), (len(sides), 1)))
+            # a side lies in its facets: bring it before them, not before the next cell
+            depths.append(seen[:, :, 2].mean(axis=1) + 0.5 * np.ptp(seen, axis=1).max())
+    order = np.argsort(np.concatenate(depths), kind="stable")
+    collection = PolyCollection(
+        [polygons[i] for i in order],
+        facecolors=np.concatenate(faces)[order],
+        edgecolors=np.concatenate(edges)[order],
+        linewidths=0.45,
+        closed=False,
+        joinstyle="round",
+    )
+    axes.add_collection(collection)
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    axes.set_axis_off()
+
+
+def roll_up_picture(path, frames, exact, title):
+    """Strips side by side at several load levels and their profiles over the exact circles.
+
+    Parameters
+    ----------
+    path : PNG file
+    frames : list of (label, points (n, 3), directors (n, 3), cells); node 0 at the clamp
+    exact : list of curves (k, 3), one a frame
+    title : str
+    """
+    figure, (above, below) = new_figure(2, (9, 8.5), title, height_ratios=(3, 2))
+    width = np.ptp(frames[0][1][:, 1])
+    view = (-78, 16)
+    strips = []
+    right, up, _ = view_axes(*view)
+    spacing = np.array([0.0, 5 * width, 0.0])
+    for i, (label, points, directors, cells) in enumerate(frames):
+        facets, sides = facets_and_sides(points + i * spacing, directors, cells)
+        strips.append((facets, sides, CLOTH, BACK))
+        root = points[0] + i * spacing - [0.4 * width, 0, 0]
+        above.text(root @ right, root @ up, label, ha="right", va="center", fontsize=9)
+    draw_surfaces(above, strips, *view)
+    for (label, points, *_), curve in zip(frames, exact, strict=True):
+        side = points[np.isclose(points[:, 1], points[:, 1].min(), atol=1e-6 * width)]
+        (line,) = below.plot(curve[:, 0], curve[:, 2], lw=0.8)
+        below.plot(side[:, 0], side[:, 2], "o", ms=3, color=line.get_color(), label=label)
+    below.set_aspect("equal")
+    below.set_xlabel("x [m]")
+    below.set_ylabel("z [m]")
+    place = {"loc": "center left", "bbox_to_anchor": (1, 0.5)}
+    below.legend(title="nodes; lines: exact", fontsize=8, **place)
+    save_figure(figure, path)
+
+
+def new_figure(rows, size, title, **layout):
+    """Figure without a window, and its axes one above the other."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title, fontsize=11)
+    return figure, figure.subplots(rows, 1, gridspec_kw=layout)
+
+
+def save_figure(figure, path):
+    """Write a PNG atomically."""
+    path = Path(path)
+    part = path.with_name(path.name + ".part")
+    figure.savefig(part, format="png")
+    os.replace(part, path)
