@@ -33,6 +33,7 @@ COMM = MPI.COMM_WORLD
 
 def arguments(given):
     parser = argparse.ArgumentParser(
+        allow_abbrev=False,
         description="Roll a strip up by an end moment and compare it with the exact circle.",
         epilog="Options with one dash go to PETSc, as -shell_snes_monitor.",
     )
@@ -61,7 +62,9 @@ def cells_for(error, turns, degree):
     A cell that turns by phi [rad] leaves 0.0066 phi^6 (4-node quads) or 0.0127 phi^4 (9-node).
     """
     factor, order = ((0.0066, 6), (0.0127, 4))[degree - 1]
-    return max(2, int(np.ceil(2 * np.pi * abs(turns) / (error / factor) ** (1 / order))))
+    # half the error is left for the stretch of a sheet that is not thin
+    phi = (0.5 * error / factor) ** (1 / order)
+    return max(2, int(np.ceil(2 * np.pi * abs(turns) / phi)))
 
 
 def circle(kappa, s):

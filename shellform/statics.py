@@ -131,16 +131,16 @@ class Statics:
             whole = part = goal - self.level
             while self.level != goal:
                 state, start = self.equilibrium.state(), self.level
-                target = goal if part >= goal - start else start + part
+                target = goal if abs(part) > 0.999 * abs(goal - start) else start + part
                 step = self.solve_at(target)
                 if step is not None:
                     self.steps.append(step)
                     if step.iterations <= 8:
-                        part = min(2 * part, whole)
+                        part = 2 * part if abs(2 * part) < abs(whole) else whole
                     continue
                 self.equilibrium.restore(state)
                 self.cutbacks += 1
-                part = 0.5 * min(part, goal - start)
+                part = 0.5 * (target - start)
                 if abs(part) < smallest * abs(whole):
                     raise NotConverged(
                         f"no equilibrium between levels {start:.6g} and {start + 2 * part:.6g}: "
