@@ -5,12 +5,14 @@ Dead loads (gravity, tractions, forces on lines and at points) do not depend on 
 are integrated once into nodal forces. A moment turns with nothing: m is fixed in space and works
 on the spin of the director, r_d = m x d. Pressure follows the surface and is left to UFL.
 
-Every load has an amplitude: a function of the load level; by default the level itself.
+Every load has an amplitude: a function of the load level or time. Without one it grows with the
+level in statics and stands at its full value in dynamics.
 """
 
 import numpy as np
 
 from .element import GAUSS3
+from .inertia import nodal_areas
 from .interpolation import surface_rule
 
 
@@ -53,7 +55,10 @@ class Loads:
         g = _vector(acceleration, "gravity", "m/s^2")
         if self.areal_mass is None:
             raise ValueError("gravity needs a fabric with a density or an areal mass")
-        self.surface(self.areal_mass * g, amplitude)
+        # on the nodal areas of the lumped mass: in free fall all nodes fall alike
+        self._add_forces(
+            self.areal_mass * nodal_areas(self.partition.surface)[:, None] * g, amplitude
+        )
 
     def edge_moment(self, edge, moment, amplitude=None):
         """Moment per length (3,) [N m/m], fixed in space, on the directors of a named edge."""
@@ -69,25 +74,36 @@ class Loads:
         """Pressure [Pa] that stays normal to the moving surface, positive towards the director."""
         if not np.isfinite(pressure):
             raise ValueError(f"pressure must be a finite number of Pa, not {pressure}")
-        self.pressures.append((amplitude or _level, float(pressure)))
+        self.pressures.append((amplitude, float(pressure)))
 
-    def force_at(self, level, out):
-        """Add the nodal forces (n_owned, 3) [N] at a load level to `out`."""
+    def steady(self):
+        """True if no load has an amplitude."""
+        return not any(load[0] for load in (*self.forces, *self.moments, *self.pressures))
+
+    def force_at(self, level, out, default=None):
+        """Add the nodal forces (n_owned, 3) [N] at a level or time to `out`.
+
+        `default` is the factor of loads without amplitude; None: the level.
+        """
         for amplitude, nodal in self.forces:
-            out += amplitude(level) * nodal
+            out += factor(amplitude, level, default) * nodal
         return out
 
-    def moment_at(self, level):
-        """Owned nodes (k,) that carry moments and the moments (k, 3) [N m] at a load level."""
+    def pressure_at(self, level, default=None):
+        """Sum of the pressures [Pa] at a level or time."""
+        return sum(factor(a, level, default) * p for a, p in self.pressures)
+
+    def moment_at(self, level, default=None):
+        """Owned nodes (k,) that carry moments and the moments (k, 3) [N m] at a level or time."""
         if len(self.moments) == 1:
             amplitude, nodes, moments = self.moments[0]
-            return nodes, amplitude(level) * moments
+            return nodes, factor(amplitude, level, default) * moments
         if not self.moments:
             return np.empty(0, int), np.empty((0, 3))
         nodes = np.unique(np.concatenate([load[1] for load in self.moments]))
         total = np.zeros((len(nodes), 3))
         for amplitude, at, moments in self.moments:
-            total[np.searchsorted(nodes, at)] += amplitude(level) * moments
+            total[np.searchsorted(nodes, at)] += factor(amplitude, level, default) * moments
         return nodes, total
 
     def _along(self, edge, value, what, unit):
@@ -109,16 +125,19 @@ class Loads:
         return whole
 
     def _add_forces(self, whole, amplitude):
-        self.forces.append((amplitude or _level, whole[self.partition.owned_nodes]))
+        self.forces.append((amplitude, whole[self.partition.owned_nodes]))
 
     def _add_moments(self, whole, amplitude):
         owned = whole[self.partition.owned_nodes]
         nodes = np.flatnonzero(owned.any(axis=1))
-        self.moments.append((amplitude or _level, nodes, owned[nodes]))
+        self.moments.append((amplitude, nodes, owned[nodes]))
 
 
-def _level(level):
-    return level
+def factor(amplitude, level, default):
+    """Value of an amplitude at a level; of no amplitude: `default`, or the level itself."""
+    if amplitude is not None:
+        return amplitude(level)
+    return level if default is None else default
 
 
 def _vector(value, what, unit):

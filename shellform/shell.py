@@ -98,10 +98,10 @@ class Shell:
         if "strain" not in self._compiled:
             v, dw = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
             pairs = []
-            for dx, terms in self._by_rule():
+            for dx, terms in self.by_rule():
                 force = tangent = 0
                 for term in terms:
-                    strain = term.strain(self._configuration(self.w))
+                    strain = term.strain(self.configuration(self.w))
                     virtual = expand_derivatives(ufl.derivative(strain, self.w, v))
                     change = expand_derivatives(ufl.derivative(strain, self.w, dw))
                     work = term.product(self._linearised(term.strain), virtual) * dx
@@ -156,9 +156,9 @@ class Shell:
         """Strain energy [J] by kind of term; the same on every rank."""
         if "energy" not in self._compiled:
             kinds = {}
-            for dx, terms in self._by_rule():
+            for dx, terms in self.by_rule():
                 for term in terms:
-                    strain = self._strain(term.strain, self.w)
+                    strain = self.strain(term.strain, self.w)
                     kinds.setdefault(term.name, []).append(0.5 * term.product(strain, strain) * dx)
             self._compiled["energy"] = dict(zip(kinds, compiled(list(kinds.values())), strict=True))
         return {
@@ -196,12 +196,12 @@ class Shell:
     def _set_pressure(self, level):
         if self.loads.pressures:
             self.forms()
-            self._pressure.value = sum(a(level) * p for a, p in self.loads.pressures)
+            self._pressure.value = self.loads.pressure_at(level)
 
     def _pressure_forms(self):
         v, dw = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
-        now = self._configuration(self.w)
-        rest = self._configuration(self.reference)
+        now = self.configuration(self.w)
+        rest = self.configuration(self.reference)
         area = ufl.cross(*rest.g)
         # per reference area: the surface element of the moving surface over that at rest
         normal = ufl.cross(*now.g) / ufl.sqrt(ufl.dot(area, area))
@@ -210,22 +210,25 @@ class Shell:
         force = -self._pressure * ufl.dot(normal, virtual) * measure(self.mesh, rule)
         return force, ufl.derivative(force, self.w, dw)
 
-    def _by_rule(self):
+    def by_rule(self):
+        """Energy terms grouped by rule: list of (UFL measure, Terms)."""
         groups = {}
         for term in energy_terms(self.mesh, self.surface, self.fabric, **self.options):
             groups.setdefault(term.rule, []).append(term)
         return [(measure(self.mesh, rule), terms) for rule, terms in groups.items()]
 
-    def _configuration(self, w):
+    def configuration(self, w):
+        """Tangents and directors of a nodal field, see strains.Configuration."""
         return configuration(self.mesh, w)
 
-    def _strain(self, strain, w):
-        return strain(self._configuration(w)) - strain(self._configuration(self.reference))
+    def strain(self, strain, w):
+        """A strain measure of a nodal field, less that of the reference state."""
+        return strain(self.configuration(w)) - strain(self.configuration(self.reference))
 
     def _linearised(self, strain):
-        at = strain(self._configuration(self.before))
+        at = strain(self.configuration(self.before))
         change = expand_derivatives(ufl.derivative(at, self.before, self.step))
-        return self._strain(strain, self.before) + change
+        return self.strain(strain, self.before) + change
 
 
 def compiled(groups):

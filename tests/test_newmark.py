@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Explicit Newmark steps against conservation laws, exact frequencies and orders of convergence."""
+
+from itertools import pairwise
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+import meshes
+from shellform import Fabric, Shell, explicit
+from shellform.inertia import lumped, nodal_areas
+from shellform.internal_force import InternalForce
+from shellform.newmark import Newmark, Unstable
+
+CLOTH = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "thickness": 1e-3, "density": 200.0}
+
+
+def sheet(cells=8, degree=1, triangles=False, size=1.0, amount=0.1):
+    surface = meshes.rectangle(
+        size, size, (cells, cells), degree=degree, triangles=triangles,
+        parameters=meshes.distorted((cells, cells), amount, seed=3), warp=(1.0, 0.0, 0.0),
+    )  # fmt: skip
+    return Shell(surface, Fabric.isotropic(**CLOTH))
+
+
+def tumble(newmark):
+    """Start a spin, a flight and a smooth deformation, the same on any number of ranks."""
+    X = newmark.points - [0.5, 0.5, 0.0]
+    spin = np.array([1.0, 2.0, 3.0])
+    newmark.v[:] = np.cross(spin, X) + [0.3, 0.2, 0.1] + 0.05 * np.sin(7 * X[:, [1, 2, 0]])
+    newmark.q[:] = np.cross(spin, newmark.w[: newmark.n_owned, 3:])
+
+
+def totals(newmark):
+    """Momentum (3,), angular momentum (3,), kinetic and strain energy at the present time."""
+    v, q = newmark.synchronise()
+    out = np.empty(7)
+    w = newmark.w[: newmark.n_owned]
+    explicit.momenta(w, newmark.points, v, q, newmark.mass, newmark.inertia, out)
+    out = newmark.shell.comm.allreduce(out)
+    return out[:3], out[3:6], out[6], sum(newmark.shell.energy().values())
+
+
+ELEMENTS = {"quad": (1, False), "triangle": (1, True), "nine nodes": (2, False)}
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_nodal_areas_share_out_the_area(element):
+    degree, triangles = ELEMENTS[element]
+    surface = sheet(5, degree, triangles).surface
+    areas = nodal_areas(surface)
+    assert areas.min() > 0
+    assert areas.sum() == pytest.approx(1.0, rel=1e-13)
+
+
+def test_rotary_inertia_is_never_below_the_physical():
+    shell = sheet(4)
+    mass, inertia = lumped(shell.surface, shell.fabric, rotary_scale=0.0)
+    assert inertia == pytest.approx(mass * shell.fabric.thickness**2 / 12, rel=1e-13)
+    _, scaled = lumped(shell.surface, shell.fabric)
+    assert np.all(scaled >= inertia)
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_internal_force_equals_that_of_the_static_forms(element):
+    """Two assemblies of one energy: packed, optimised kernels against dolfinx's own path."""
+    from petsc4py import PETSc
+
+    from dolfinx.la import create_petsc_vector
+
+    shell = sheet(4, *ELEMENTS[element])
+    newmark_force = InternalForce(shell)
+    X = shell.surface.points[shell.partition.nodes]
+    w = shell.w.x.array.reshape(-1, 6)
+    w[:, :3] += 0.1 * np.sin(3 * X[:, [1, 2, 0]])
+    w[:, 3:] += 0.1 * np.cos(4 * X)
+    r = newmark_force(w)[: shell.partition.n_owned].copy()
+    vector = create_petsc_vector(shell.space.dofmap.index_map, 6)
+    shell.internal_force(vector)
+    vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+    largest = shell.comm.allreduce(np.abs(r).max())
+    assert np.abs(r.ravel() - vector.array_r).max() < 1e-12 * largest
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_free_flight_conserves_momentum_and_energy(element):
+    """1000 steps at half the stable step, no damping."""
+    newmark = Newmark(sheet(8, *ELEMENTS[element]), time_step_factor=0.5)
+    tumble(newmark)
+    p0, j0, k0, e0 = totals(newmark)
+    energies = []
+    for _ in range(20):
+        newmark.advance(newmark.time + 50 * newmark.dt)
+        p, j, k, e = totals(newmark)
+        assert np.abs(p - p0).max() < 1e-12 * np.abs(p0).max()
+        assert np.abs(j - j0).max() < 1e-12 * np.abs(j0).max()
+        energies.append((k + e) / (k0 + e0) - 1)
+    assert newmark.steps >= 1000
+    assert e > 1e-6 * k  # it does deform
+    # bounded, and the mean of the second half is that of the first: no drift
+    assert np.abs(energies).max() < 1e-4
+    assert abs(np.mean(energies[10:]) - np.mean(energies[:10])) < 1e-4
+
+
+def test_momentum_balance_under_gravity():
+    """Momentum grows by weight times time to roundoff; drag and damping off."""
+    shell = sheet(6)
+    shell.loads.gravity((0.0, 0.0, -9.81))
+    newmark = Newmark(shell)
+    newmark.advance(0.05)
+    p, *_ = totals(newmark)
+    weight = shell.fabric.areal_mass * 9.81
+    assert p == pytest.approx([0, 0, -weight * 0.05], abs=1e-12 * weight)
+
+
+def test_free_fall_is_exact_and_undamped_by_stiffness_damping():
+    shell = sheet(6)
+    shell.loads.gravity((0.0, 0.0, -9.81))
+    newmark = Newmark(shell, damping=1e-4)
+    newmark.advance(0.1)
+    drop = newmark.w[: newmark.n_owned, 2]
+    assert drop == pytest.approx(-0.5 * 9.81 * 0.1**2, rel=1e-10)
+
+
+def test_stiffness_damping_takes_energy_only_from_strain():
+    shell = sheet(6)
+    newmark = Newmark(shell, damping=2e-4)
+    tumble(newmark)
+    *_, k0, e0 = totals(newmark)
+    p0, *_ = totals(newmark)
+    newmark.advance(0.2)
+    p, _, k, e = totals(newmark)
+    assert k + e < 0.99999 * (k0 + e0)
+    assert np.abs(p - p0).max() < 1e-12 * np.abs(p0).max()
+
+
+FABRICS = {
+    "isotropic": Fabric.isotropic(**CLOTH),
+    "woven": Fabric.orthotropic(2e7, 5e6, 0.1, 2e5, 2e5, 2e5, 5e-4, 400.0),
+    "thick": Fabric.isotropic(1e7, 0.2, 0.02, 1000.0),
+}
+
+
+@pytest.mark.parametrize("name", FABRICS)
+@pytest.mark.parametrize("stretched", [False, True])
+def test_stable_step_is_stable_and_close_to_the_limit(name, stretched):
+    """At the estimate a perturbation stays bounded; 30 % above it grows."""
+    surface = sheet(6).surface
+
+    def growth(factor, steps):
+        shell = Shell(surface, FABRICS[name])
+        X = surface.points[shell.partition.nodes]
+        if stretched:
+            w = shell.w.x.array.reshape(-1, 6)
+            w[:, 0], w[:, 1] = 0.1 * X[:, 0] + 0.1 * X[:, 1], -0.05 * X[:, 1]
+            for edge in ("left", "right", "bottom", "top"):
+                shell.supports.clamp(edge)
+        newmark = Newmark(shell, time_step_factor=factor)
+        newmark.recheck = 10**9
+        rng = np.random.default_rng(0)
+        kick = rng.standard_normal((len(surface.points), 3))
+        newmark.v[:] = 1e-6 * kick[shell.partition.owned_nodes]
+        size = []
+        for _ in range(4):
+            try:
+                newmark.advance(newmark.time + steps / 4 * newmark.dt)
+            except Unstable:
+                return np.inf
+            size.append(shell.comm.allreduce(np.abs(newmark.v).max(), MPI.MAX))
+        return size[-1] / size[0]
+
+    assert growth(1.0, 4000) < 10
+    assert growth(1.3, 400) > 1e3
+
+
+def strip(cells, length=0.5, thickness=1e-3):
+    """A cantilever strip kept in plane strain of zero Poisson's ratio: a beam."""
+    surface = meshes.rectangle(length, length / cells, (cells, 1))
+    shell = Shell(surface, Fabric.isotropic(1e7, 0.0, thickness, 200.0))
+    for edge in ("bottom", "top"):
+        shell.supports.symmetry(edge, (0, 1, 0))
+    return shell
+
+
+def tip(newmark):
+    return newmark.shell.displacement_at((0.5, 0, 0))
+
+
+def swing(steps, end, clamped, thickness=5e-3):
+    """Tip of a strip thrown at some m/s under gravity after `end` seconds, and the stepper."""
+    shell = strip(4) if clamped else strip(2, thickness=thickness)
+    if clamped:
+        shell.supports.clamp("left")
+    else:
+        shell.supports.hold("left")
+    shell.loads.gravity((0, 0, -9.81))
+    newmark = Newmark(shell)
+    newmark.dt, newmark.recheck = end / steps, 10**9
+    assert newmark.dt < newmark.critical_dt
+    x = newmark.points[:, 0]
+    newmark.v[:, 2] = -20 * x**2 if clamped else -3 * x
+    newmark.q[:, 0] = 40 * x if clamped else 3
+    newmark.advance(end)
+    assert newmark.steps == steps
+    return tip(newmark), newmark
+
+
+@pytest.mark.parametrize(("clamped", "end", "first"), [(True, 0.1, 2000), (False, 0.05, 500)])
+def test_second_order_in_time(clamped, end, first):
+    """Large motion of a cantilever and of a pendulum at successively halved steps."""
+    tips = [swing(first * 2**k, end, clamped)[0] for k in range(3)]
+    errors = [np.linalg.norm(a - b) for a, b in pairwise(tips)]
+    assert np.linalg.norm(tips[-1]) > 0.08  # it moves far
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+
+
+def test_pendulum_swings_like_a_rigid_body():
+    """A stiff hinged strip against the compound pendulum with the same lumped inertia."""
+    from scipy.integrate import solve_ivp
+
+    place, newmark = swing(4000, 0.2, clamped=False, thickness=0.03)
+    comm, arm, length = newmark.shell.comm, newmark.points[:, 0], 0.5
+    inertia = comm.allreduce(np.sum(newmark.mass * arm**2 + newmark.inertia))
+    moment = comm.allreduce(np.sum(newmark.mass * arm)) * 9.81
+    exact = solve_ivp(
+        lambda t, y: [y[1], moment / inertia * np.cos(y[0])], (0, 0.2), [0, 3.0], rtol=1e-10
+    )
+    angle = exact.y[0, -1]
+    goal = length * np.array([np.cos(angle) - 1, 0, -np.sin(angle)])
+    assert angle > 0.7
+    # what is left is the strip's own bending, which a stiffer one makes smaller
+    assert np.linalg.norm(place - goal) < 1e-3 * length
+
+
+def test_first_frequency_of_a_cantilever():
+    """Within 0.5 % of 1.8751^2/(2 pi) sqrt(D/(rho L^4)), from the zeros of a small swing."""
+    shell = strip(24, thickness=6e-3)
+    shell.supports.clamp("left")
+    newmark = Newmark(shell)
+    length, fabric = 0.5, shell.fabric
+    k = 1.875104068711961 / length
+    exact = k**2 / (2 * np.pi) * np.sqrt(fabric.bending[0, 0] / fabric.areal_mass)
+    s = k * newmark.points[:, 0]
+    ratio = (np.cosh(k * length) + np.cos(k * length)) / (np.sinh(k * length) + np.sin(k * length))
+    newmark.v[:, 2] = 1e-3 * (np.cosh(s) - np.cos(s) - ratio * (np.sinh(s) - np.sin(s)))
+    slope = 1e-3 * k * (np.sinh(s) + np.sin(s) - ratio * (np.cosh(s) - np.cos(s)))
+    newmark.q[:, 0] = -slope
+    times, heights = [], []
+    for i in range(1, 241):
+        newmark.advance(i * 2.2 / exact / 240)
+        times.append(newmark.time)
+        heights.append(tip(newmark)[2])
+    heights = np.array(heights)
+    at = np.flatnonzero(heights[:-1] * heights[1:] < 0)
+    zeros = [
+        times[i] - heights[i] * (times[i + 1] - times[i]) / (heights[i + 1] - heights[i])
+        for i in at
+    ]
+    frequency = 0.5 * (len(zeros) - 1) / (zeros[-1] - zeros[0])
+    assert frequency == pytest.approx(exact, rel=5e-3)
