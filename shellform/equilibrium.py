@@ -21,6 +21,7 @@ import numpy as np
 from dolfinx.la import create_petsc_vector
 
 from . import director
+from .tangent_map import TangentMap
 
 
 def _timed(assemble):
@@ -47,7 +48,9 @@ class Equilibrium:
     Attributes
     ----------
     x : PETSc.Vec, the unknowns; F : PETSc.Vec; K : PETSc.Mat
-    level : float, load level
+    level : float, load level or time; load_factor : see Loads.force_at
+    inertia : None or (factor, predicted), both (n_owned, 6): adds factor (w - predicted), the
+        inertia of an implicit time step, to the forces
     reaction : (n_owned, 5), forces of the held unknowns at the last residual [N]
     assembly_seconds : float, spent in residuals and tangents
     """
@@ -55,6 +58,7 @@ class Equilibrium:
     def __init__(self, shell, mip=True):
         self.shell, self.mip, self.level = shell, mip, 0.0
         self.assembly_seconds = 0.0
+        self.load_factor, self.inertia = None, None
         partition, supports = shell.partition, shell.supports
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
@@ -69,7 +73,7 @@ class Equilibrium:
         self._Q_owned = None if self.Q is None else self.Q[: self.n_owned]
         self.T = director.tangent_frames(self._w()[:, 3:], supports.plane)
         self.K6 = shell.create_tangent()
-        self._create_P()
+        self.P = TangentMap(shell, self.length)
         self.K = None
         self.goal = np.zeros((self.n, 5))
         self.has_goal = bool(supports.motions) and bool(shell.comm.allreduce(len(supports.motions)))
@@ -79,7 +83,7 @@ class Equilibrium:
         """Free PETSc's objects (petsc4py collects them late)."""
         for item in (self.x, self.F, self._direct, self.r6, self._lift6, self._product6):
             item.destroy()
-        for matrix in (self.K6, self.P, self.K):
+        for matrix in (self.K6, self.P.matrix, self.K):
             if matrix is not None:
                 matrix.destroy()
 
@@ -171,11 +175,14 @@ class Equilibrium:
         shell.tangent(self.K6, self.level, self.stress_from)
         self.K6.assemble()
         self._add_moment_tangent()
-        self._fill_P()
+        if self.inertia is not None:
+            self._lift6.setArray(self.inertia[0].ravel())
+            self.K6.setDiagonal(self._lift6, addv=PETSc.InsertMode.ADD_VALUES)
+        P = self.P.at(self.T)
         if self.K is None:
-            self.K = self.K6.ptap(self.P)
+            self.K = self.K6.ptap(P)
         else:
-            self.K6.ptap(self.P, result=self.K)
+            self.K6.ptap(P, result=self.K)
         r6 = self._forces(self.stress_from)
         d = self._w()[: self.n_owned, 3:]
         diagonal = np.zeros((self.n_owned, 5))
@@ -196,8 +203,8 @@ class Equilibrium:
         Reactions of an iterate off the solution can exceed the loads by many orders.
         """
         external = np.zeros((self.n_owned, 5))
-        external[:, :3] = self.shell.loads.force_at(self.level, external[:, :3].copy())
-        nodes, moments = self.shell.loads.moment_at(self.level)
+        self.shell.loads.force_at(self.level, external[:, :3], self.load_factor)
+        nodes, moments = self.shell.loads.moment_at(self.level, self.load_factor)
         external[nodes, 3:] += np.linalg.norm(moments, axis=1)[:, None] / self.length
         parts = np.array([np.sum(external**2), np.sum(self.reaction**2)])
         loads, reactions = np.sqrt(self.shell.comm.allreduce(parts))
@@ -222,10 +229,16 @@ class Equilibrium:
         self.shell.internal_force(self.r6, self.level, stress_from)
         self.r6.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         r6 = self.r6.array.reshape(-1, 6)
-        external = self.shell.loads.force_at(self.level, np.zeros((self.n_owned, 3)))
+        external = self.shell.loads.force_at(
+            self.level, np.zeros((self.n_owned, 3)), self.load_factor
+        )
         r6[:, :3] -= external
-        nodes, moments = self.shell.loads.moment_at(self.level)
-        r6[nodes, 3:] -= np.cross(moments, self._w()[nodes, 3:])
+        nodes, moments = self.shell.loads.moment_at(self.level, self.load_factor)
+        w = self._w()
+        r6[nodes, 3:] -= np.cross(moments, w[nodes, 3:])
+        if self.inertia is not None:
+            factor, predicted = self.inertia
+            r6 += factor * (w[: self.n_owned] - predicted)
         return r6
 
     def _pull_back(self, r6):
@@ -233,49 +246,8 @@ class Equilibrium:
         r5[:, 3:] /= self.length
         return r5
 
-    def _create_P(self):
-        """P with its final pattern: dense 3x2 director blocks, 3x3 displacement blocks only where
-        a node's axes are inclined."""
-        n = self.n_owned
-        first = self.shell.space.dofmap.index_map.local_range[0]
-        inclined = self.shell.supports.inclined[:n]
-        width = np.where(inclined, 3, 1)
-        counts = np.column_stack([width, width, width, *(np.full((3, n), 2))]).ravel()
-        indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-        column = 5 * (first + np.arange(n))
-        columns = np.empty(indptr[-1], np.int32)
-        start = indptr[:-1].reshape(n, 6)
-        for i in range(3):
-            columns[start[~inclined, i]] = column[~inclined] + i
-            for j in range(3):
-                columns[start[inclined, i] + j] = column[inclined] + j
-            for j in range(2):
-                columns[start[:, 3 + i] + j] = column + 3 + j
-        self._indptr, self._columns, self._start = indptr, columns, start
-        self._values = np.zeros(indptr[-1])
-        free = ~self.held[:n]
-        for i in range(3):
-            self._values[start[~inclined, i]] = free[~inclined, i]
-            for j in range(3):
-                at = start[inclined, i] + j
-                self._values[at] = self.Q[:n][inclined, j, i] * free[inclined, j] if at.size else 0
-        self._free = free
-        self.P = PETSc.Mat().createAIJ(
-            ((6 * n, None), (5 * n, None)),
-            csr=(indptr, columns, self._values),
-            comm=self.shell.comm,
-        )
-
-    def _fill_P(self):
-        T = self.T[: self.n_owned] * self._free[:, None, 3:] / self.length
-        for i in range(3):
-            for j in range(2):
-                self._values[self._start[:, 3 + i] + j] = T[:, i, j]
-        self.P.setValuesCSR(self._indptr, self._columns, self._values)
-        self.P.assemble()
-
     def _add_moment_tangent(self):
-        nodes, moments = self.shell.loads.moment_at(self.level)
+        nodes, moments = self.shell.loads.moment_at(self.level, self.load_factor)
         for node, (m1, m2, m3) in zip(nodes, moments, strict=True):
             rows = (6 * node + np.arange(3, 6)).astype(np.int32)
             minus_cross = np.array([[0, m3, -m2], [-m3, 0, m1], [m2, -m1, 0]])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Newmark's method in time, driven by PETSc TS: Sec. 3.1.3 of the paper, Eq. 13.
+"""Explicit Newmark steps, beta = 0, gamma = 1/2: Sec. 3.1.3 of the paper, Eq. 13.
 
 Explicit (beta = 0, gamma = 1/2): lumped mass, central differences with velocities at half steps,
 
@@ -11,44 +11,32 @@ between the two lines and correct them in place.
 Damping, both off by default: `damping` [s] takes the internal force at x + damping v, a force
 proportional to the rate of strain that leaves every translation undamped; `drag` [1/s] slows all
 motion as still air does.
-
-The TS is of Python type, so -shell_ts_monitor, -shell_ts_max_steps, ... act. Its vector is the
-nodal field w, brought up to date at the end of each `advance`.
 """
 
 from mpi4py import MPI
-from petsc4py import PETSc
 
 import numpy as np
 
 from . import explicit
-from .inertia import ROTARY_SCALE, lumped
+from .inertia import ROTARY_SCALE
 from .internal_force import InternalForce
+from .stepper import Stepper, Unstable
 
 
-class Unstable(RuntimeError):
-    """A step produced numbers that are not finite, or energy from nothing."""
-
-
-class Newmark:
+class Newmark(Stepper):
     """Explicit steps of a shell.
 
     Parameters
     ----------
-    shell : Shell, with supports and loads complete; starts from its present state
+    shell, hooks, rotary_scale, prefix : see Stepper
     time_step_factor : float, of the largest stable step
-    hooks : callables (newmark, dt), run with the free half-step velocities in `v`
     damping : float [s]; drag : float [1/s]
-    rotary_scale : float, see inertia.py
-    prefix : str, of the TS options
 
     Attributes
     ----------
-    w : (n_local, 6), (u, d) with ghosts; v, q : (n_owned, 3), half-step velocities of nodes [m/s]
-        and directors [1/s]
-    mass, inertia : (n_owned,); points : (n_owned, 3) reference positions [m]
-    time, dt : float [s]; steps : int
-    work : dict of sums [J]: internal, external, drag, and those the hooks add
+    v, q : velocities at the last half step
+    work : dict of sums [J]: internal, external, drag
+    critical_dt : float [s], largest stable step when last looked at
     """
 
     recheck = 500  # steps between looks at the stable step
@@ -63,29 +51,21 @@ class Newmark:
         rotary_scale=ROTARY_SCALE,
         prefix="shell_",
     ):
-        self.shell, self.hooks = shell, list(hooks)
+        super().__init__(shell, hooks, rotary_scale, prefix)
         self.damping, self.drag, self.factor = damping, drag, time_step_factor
-        partition, n = shell.partition, shell.partition.n_owned
-        self.n_owned = n
-        self.w = shell.w.x.array.reshape(-1, 6)
-        self._owned = self.w[:n]
+        n = self.n_owned
         self._ahead = self.w if not damping else self.w.copy()
-        self.points = partition.surface.points[partition.owned_nodes]
-        mass, inertia = lumped(shell.surface, shell.fabric, rotary_scale)
-        self.mass, self.inertia = mass[partition.owned_nodes], inertia[partition.owned_nodes]
-        self.v, self.q = np.zeros((n, 3)), np.zeros((n, 3))
         self.internal = InternalForce(shell)
         self.force = np.zeros((n, 3))
         self._steady = shell.loads.steady()
         shell.loads.force_at(0.0, self.force, default=1.0)
         self._set_supports()
         self.support_impulse = np.zeros((n, 3))
-        self.time, self.steps, self._last_dt = 0.0, 0, 0.0
+        self._last_dt = 0.0
         self.work = {"internal": 0.0, "external": 0.0, "drag": 0.0}
         self._cell = shell.surface.mean_cell_size
         self.critical_dt = self.find_stable_step()
         self.dt = self.factor * self.critical_dt
-        self._create_ts(prefix)
 
     def _set_supports(self):
         supports, n = self.shell.supports, self.n_owned
@@ -97,54 +77,17 @@ class Newmark:
         self._plane = np.where(held[:, 4:] & ~held[:, 3:4], plane, 0.0)
         self._supported = bool(self._held.any() or self._plane.any())
 
-    def _create_ts(self, prefix):
-        self.ts = PETSc.TS().create(self.shell.comm)
-        self.ts.setOptionsPrefix(prefix)
-        self.ts.setType(PETSc.TS.Type.PYTHON)
-        self.ts.setPythonContext(_Context(self))
-        self.ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
-        self.ts.setMaxSteps(2**31 - 1)
-        # PETSc copies this vector around every step: it must not be the memory of w
-        self._ts_vector = self.shell.w.vector.duplicate()
-        self.ts.setSolution(self._ts_vector)
-        self.ts.setFromOptions()
-
-    def advance(self, until):
-        """Step until a time [s] is reached exactly; the last steps share out the rest evenly."""
-        if until <= self.time:
-            return
-        self._until = until
-        self.ts.setTime(self.time)
-        self.ts.setStepNumber(0)
-        self.ts.setMaxTime(until)
-        self.ts.setTimeStep(self._next_dt())
-        self.ts.solve(self._ts_vector)
-        self.time = until
-        self.shell.w.vector.copy(self._ts_vector)
-
-    def _next_dt(self):
-        rest = self._until - self.time
-        count = max(1, int(np.ceil(rest / self.dt * (1 - 1e-12))))
-        return rest / count
-
     def step(self, dt):
         """One step of length dt [s]."""
-        n = self.n_owned
         self.kick(0.5 * (self._last_dt + dt))
         for hook in self.hooks:
             hook(self, dt)
-        total = explicit.drift(self._owned, self.v, self.q, dt)
-        self._scatter()
+        total = explicit.drift(self.owned, self.v, self.q, dt)
+        self.scatter()
         self._last_dt, self.time, self.steps = dt, self.time + dt, self.steps + 1
-        if not np.isfinite(total):
-            bad = np.flatnonzero(~np.isfinite(self._owned).all(axis=1))[0]
-            node = self.shell.partition.nodes[bad]
-            raise Unstable(
-                f"node {node} of {self.shell.surface.source} has left the finite numbers at "
-                f"t = {self.time:.6g} s, step {self.steps} of {dt:.3g} s; take a smaller "
-                "time_step_factor"
-            )
-        return n
+        self.check_finite(total, dt)
+        if self.steps % self.recheck == 0:
+            self.check_step()
 
     def check_step(self):
         """Follow the stable step as the sheet deforms: down at once, up by a tenth at most."""
@@ -158,35 +101,35 @@ class Newmark:
             self.force[:] = 0.0
             self.shell.loads.force_at(self.time, self.force, default=1.0)
         inner, outer, lost = explicit.kick(
-            self.v, self.q, r, self.force, self._owned[:, 3:], self.mass, self.inertia, self.drag, dt
+            self.v, self.q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag, dt
         )  # fmt: skip
         self.work["internal"] += inner
         self.work["external"] += outer
         self.work["drag"] += lost
         if self._supported:
             explicit.support(
-                self.v, self.q, self._owned[:, 3:], self._held, self._plane, self.mass,
+                self.v, self.q, self.owned[:, 3:], self._held, self._plane, self.mass,
                 self.support_impulse,
             )  # fmt: skip
 
     def internal_force(self):
         """Internal forces (n_owned, 6) [N, N m], damped, at the present configuration."""
         if self.damping:
-            explicit.ahead(self._owned, self.v, self.q, self.damping, self._ahead[: self.n_owned])
-            self._scatter(self._ahead)
+            explicit.ahead(self.owned, self.v, self.q, self.damping, self._ahead[: self.n_owned])
+            self.scatter(self._ahead)
         return self.internal(self._ahead)[: self.n_owned]
 
-    def synchronise(self):
-        """Bring velocities from the half step to the present time, for output (n, 3) each."""
+    def velocities(self):
+        """Velocities (n, 3) of nodes and directors brought from the half step to the present."""
         v, q = self.v.copy(), self.q.copy()
         r = self.internal_force()
         half = 0.5 * self._last_dt
         explicit.kick(
-            v, q, r, self.force, self._owned[:, 3:], self.mass, self.inertia, self.drag, half
+            v, q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag, half
         )
         if self._supported:
             booked = np.empty_like(v)
-            explicit.support(v, q, self._owned[:, 3:], self._held, self._plane, self.mass, booked)
+            explicit.support(v, q, self.owned[:, 3:], self._held, self._plane, self.mass, booked)
         return v, q
 
     def find_stable_step(self, iterations=30):
@@ -200,7 +143,7 @@ class Newmark:
             [np.tile(self.mass[:, None], 3), np.tile(self.inertia[:, None], 3)], 1
         )
         root = np.sqrt(scale)
-        base, d = self._owned.copy(), self._owned[:, 3:].copy()
+        base, d = self.owned.copy(), self.owned[:, 3:].copy()
         r = self.internal(self.w)[:n].copy()
         pull = np.sum(r[:, 3:] * d, axis=1, keepdims=True)
 
@@ -222,8 +165,8 @@ class Newmark:
             h = 1e-6 / size
             sides = []
             for sign in (1, -1):
-                self._owned[:] = base + sign * h * y
-                self._scatter()
+                self.owned[:] = base + sign * h * y
+                self.scatter()
                 sides.append(self.internal(self.w)[:n].copy())
             z = (sides[0] - sides[1]) / (2 * h)
             z[:, 3:] -= pull * y[:, 3:]
@@ -243,8 +186,8 @@ class Newmark:
                 break
             betas.append(beta)
             previous, y = y, z / beta
-        self._owned[:] = base
-        self._scatter()
+        self.owned[:] = base
+        self.scatter()
         k = len(alphas)
         values = np.linalg.eigvalsh(
             np.diag(alphas) + np.diag(betas[: k - 1], 1) + np.diag(betas[: k - 1], -1)
@@ -255,28 +198,3 @@ class Newmark:
             )
         tau = self.damping
         return 0.97 * float(np.sqrt(tau**2 + 4 / values[-1]) - tau)
-
-    def _scatter(self, field=None):
-        if self.shell.comm.size > 1:
-            if field is None:
-                self.shell.w.x.scatter_forward()
-            else:
-                self.shell.before.x.array[:] = field.ravel()
-                self.shell.before.x.scatter_forward()
-                field[:] = self.shell.before.x.array.reshape(-1, 6)
-
-
-class _Context:
-    """What PETSc's TS of Python type calls."""
-
-    def __init__(self, newmark):
-        self.newmark = newmark
-
-    def solveStep(self, ts, t, u):
-        newmark = self.newmark
-        newmark.step(ts.getTimeStep())
-        if newmark.steps % newmark.recheck == 0:
-            newmark.check_step()
-
-    def adaptStep(self, ts, t, u):
-        return self.newmark._next_dt(), True
