@@ -198,3 +198,24 @@ def corner_offsets(mesh, family, table):
     field = fem.Function(space)
     field.x.array.reshape(-1, 2)[space.dofmap.list.array.reshape(-1, len(table))] = table
     return field
+
+
+def check_warp(surface, fabric):
+    """ValueError if a warp direction is missing or stands up from the surface in some cell."""
+    if surface.warp is None:
+        raise ValueError(
+            f"{surface.source} has no warp direction, which the fabric '{fabric.name}' needs: "
+            "give surface.replace(warp=(x, y, z))"
+        )
+    corners = surface.points[surface.cells[:, : 3 if surface.kind == "triangle" else 4]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, -1] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    warp = np.broadcast_to(surface.warp, normal.shape)
+    length = np.linalg.norm(warp, axis=1)
+    lean = np.linalg.norm(np.cross(warp, normal), axis=1)
+    bad = np.flatnonzero(~(lean > 0.1 * length))
+    if len(bad):
+        raise ValueError(
+            f"the warp {warp[bad[0]].tolist()} of cell {bad[0]} of {surface.source} points along "
+            "the surface's normal, not along the cloth: give one direction a cell, (cells, 3)"
+        )

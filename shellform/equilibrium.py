@@ -12,6 +12,7 @@ the directors, so the residual does not jump when the base does. The matrix P of
 
 import functools
 import time
+import weakref
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -60,6 +61,8 @@ class Equilibrium:
         self.assembly_seconds = 0.0
         self.load_factor, self.inertia = None, None
         partition, supports = shell.partition, shell.supports
+        supports.frozen = True
+        shell.owner = weakref.ref(self)
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
         self.length = partition.length
@@ -100,6 +103,15 @@ class Equilibrium:
         """Return to a configuration of `state()`."""
         self._w()[:], self.T[:] = state
         self.set_base()
+
+    def stale(self):
+        """True once another equilibrium of the same shell has been made."""
+        return self.shell.owner() is not self
+
+    def largest_change(self, state):
+        """Largest displacement [m] of a node since a `state()`."""
+        change = np.linalg.norm(self._w()[:, :3] - state[0][:, :3], axis=1).max(initial=0.0)
+        return self.shell.comm.allreduce(float(change), op=MPI.MAX)
 
     def adopt(self):
         """Take the shell's field, set from outside, as the present configuration."""
@@ -159,7 +171,7 @@ class Equilibrium:
     def residual(self, x, F):
         """F(x) [N], zero on held unknowns that have reached their prescribed value."""
         self.configure(x)
-        r5 = self._pull_back(self._forces(None))
+        r5 = self._pull_back(self.forces(None))
         held = self.held[: self.n_owned]
         self.reaction = np.where(held, r5, 0.0)
         r5[held] = 0.0
@@ -172,7 +184,7 @@ class Equilibrium:
         """K at x, symmetric unless a moment or pressure makes it otherwise."""
         self.configure(x)
         shell = self.shell
-        shell.tangent(self.K6, self.level, self.stress_from)
+        shell.tangent(self.K6, self.pressure, self.stress_from)
         self.K6.assemble()
         self._add_moment_tangent()
         if self.inertia is not None:
@@ -183,7 +195,7 @@ class Equilibrium:
             self.K = self.K6.ptap(P)
         else:
             self.K6.ptap(P, result=self.K)
-        r6 = self._forces(self.stress_from)
+        r6 = self.forces(self.stress_from)
         d = self._w()[: self.n_owned, 3:]
         diagonal = np.zeros((self.n_owned, 5))
         diagonal[:, 3:] = -np.einsum("ni,ni->n", r6[:, 3:], d)[:, None] / self.length**2
@@ -191,6 +203,11 @@ class Equilibrium:
         self._direct.setArray(diagonal.ravel())
         self.K.setDiagonal(self._direct, addv=PETSc.InsertMode.ADD_VALUES)
         return self.K
+
+    @property
+    def pressure(self):
+        """Pressure [Pa] at the present level."""
+        return self.shell.loads.pressure_at(self.level, self.load_factor)
 
     @property
     def stiffness(self):
@@ -206,7 +223,12 @@ class Equilibrium:
         self.shell.loads.force_at(self.level, external[:, :3], self.load_factor)
         nodes, moments = self.shell.loads.moment_at(self.level, self.load_factor)
         external[nodes, 3:] += np.linalg.norm(moments, axis=1)[:, None] / self.length
+        if self.inertia is not None:
+            factor, predicted = self.inertia
+            external -= self._pull_back(factor * (self._w()[: self.n_owned] - predicted))
+            external[self.held[: self.n_owned]] = 0.0
         parts = np.array([np.sum(external**2), np.sum(self.reaction**2)])
+        parts[0] += (self.pressure * self.shell.surface.area) ** 2 / len(self.shell.surface.points)
         loads, reactions = np.sqrt(self.shell.comm.allreduce(parts))
         return float(loads or reactions)
 
@@ -222,11 +244,11 @@ class Equilibrium:
         size = surface.mean_cell_size + largest
         return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(surface.points))
 
-    def _forces(self, stress_from):
-        """Internal less external nodal forces (n_owned, 6)."""
+    def forces(self, stress_from=None):
+        """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""
         with self.r6.localForm() as local:
             local.set(0.0)
-        self.shell.internal_force(self.r6, self.level, stress_from)
+        self.shell.internal_force(self.r6, self.pressure, stress_from)
         self.r6.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         r6 = self.r6.array.reshape(-1, 6)
         external = self.shell.loads.force_at(
@@ -272,11 +294,11 @@ class Equilibrium:
         held = self.held[: self.n_owned]
         gap = np.where(held, x.array_r.reshape(-1, 5) - self.goal[: self.n_owned], 0.0)
         if self.shell.comm.allreduce(np.abs(gap).max(initial=0.0), op=MPI.MAX) == 0.0:
-            return
+            return  # the usual case: K is assembled below for the first residual of a step only
         change = gap / [1, 1, 1, self.length, self.length]
         change = director.push_forward(change, self.T[: self.n_owned], self._Q_owned)
         self._lift6.setArray(change.ravel())
-        self.shell.tangent(self.K6, self.level, self.stress_from)
+        self.shell.tangent(self.K6, self.pressure, self.stress_from)
         self.K6.assemble()
         self.K6.mult(self._lift6, self._product6)
         change = self._pull_back(self._product6.array_r.reshape(-1, 6))

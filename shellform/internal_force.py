@@ -44,6 +44,10 @@ class InternalForce:
                 )
                 work += term.product(shell.strain(term.strain, shell.w), virtual) * dx
             forms.append(work)
+        self._pressure = None
+        if shell.loads.pressures:
+            self._pressure = fem.Constant(shell.mesh, 0.0)
+            forms.append(shell.pressure_force(self._pressure))
         for form in forms:
             form.signature()
         jit = {"timeout": 600, "cffi_extra_compile_args": FAST}
@@ -69,8 +73,14 @@ class InternalForce:
             raise RuntimeError("the packed coefficients of the form are not laid out as expected")
         return cpp.fem.pack_constants(form), {key: values}, columns
 
-    def __call__(self, w):
-        """Compute the forces at the nodal field w (n_local, 6), ghosts valid; returns `r`."""
+    def __call__(self, w, pressure=0.0):
+        """Compute the forces at the nodal field w (n_local, 6), ghosts valid; returns `r`.
+
+        The force of a follower pressure [Pa] is taken off where the shell has any.
+        """
+        if self._pressure is not None:
+            self._pressure.value = pressure
+            self._packed[-1][0][:] = cpp.fem.pack_constants(self._forms[-1])
         np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         flat = self._result.x.array
         flat[:] = 0.0

@@ -59,7 +59,8 @@ def locate(surface, point):
 
     Raises
     ------
-    ValueError if the surface is further away than 1e-3 of its mean cell size
+    ValueError if the surface is further away than a tenth of its mean cell size: cells with
+    straight sides lie that far inside a curved surface
     """
     point = np.asarray(point, float)
     if point.shape != (3,) or not np.all(np.isfinite(point)):
@@ -70,7 +71,7 @@ def locate(surface, point):
     centre = surface.points[surface.cells[:, :corners]].mean(axis=1)
     reach = np.linalg.norm(surface.points[surface.cells] - centre[:, None], axis=2).max(axis=1)
     distance = np.linalg.norm(centre - point, axis=1)
-    candidates = np.flatnonzero(distance <= 1.001 * reach + 1e-3 * surface.mean_cell_size)
+    candidates = np.flatnonzero(distance <= 1.001 * reach + 0.1 * surface.mean_cell_size)
     best = (np.inf, None, None)
     for cell in candidates[np.argsort(distance[candidates])]:
         nodes = surface.cells[cell]
@@ -91,9 +92,7 @@ def locate(surface, point):
             best = (off, nodes, shape)
         if off < 1e-9 * surface.mean_cell_size:
             break
-    if not best[0] <= 1e-3 * surface.mean_cell_size:
-        nearest = np.linalg.norm(surface.points - point, axis=1).min()
-        raise ValueError(
-            f"{point.tolist()} is not on {surface.source}: its nearest node is {nearest:.3g} m away"
-        )
+    if not best[0] <= 0.1 * surface.mean_cell_size:
+        gap = min(best[0], np.linalg.norm(surface.points - point, axis=1).min())
+        raise ValueError(f"{point.tolist()} is not on {surface.source}: it is {gap:.3g} m away")
     return best[1], best[2]

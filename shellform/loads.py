@@ -31,7 +31,7 @@ class Loads:
         self.forces, self.moments, self.pressures = [], [], []
 
     def point(self, where, force, amplitude=None):
-        """Force (3,) [N] on each node at a place (see `Partition.find`)."""
+        """Force (3,) [N] on *each* node at a place (see `Partition.find`)."""
         whole = np.zeros_like(self.partition.surface.points)
         whole[self.partition.find(where)] = _vector(force, "force", "N")
         self._add_forces(whole, amplitude)
@@ -72,8 +72,9 @@ class Loads:
 
     def pressure(self, pressure, amplitude=None):
         """Pressure [Pa] that stays normal to the moving surface, positive towards the director."""
-        if not np.isfinite(pressure):
-            raise ValueError(f"pressure must be a finite number of Pa, not {pressure}")
+        if np.ndim(pressure) != 0 or not np.isfinite(pressure):
+            raise ValueError(f"pressure must be one finite number of Pa, not {pressure}")
+        _check(amplitude)
         self.pressures.append((amplitude, float(pressure)))
 
     def steady(self):
@@ -108,7 +109,11 @@ class Loads:
 
     def _along(self, edge, value, what, unit):
         surface = self.partition.surface
-        segments = self.partition.edge(edge) if isinstance(edge, str) else np.asarray(edge)
+        if not isinstance(edge, str):
+            raise ValueError(
+                f"a {what} needs the name of an edge; name one by surface.with_edges(NAME=locator)"
+            )
+        segments = self.partition.edge(edge)
         whole = np.zeros_like(surface.points)
         points = surface.points[segments]  # (k, 2 or 3, 3): two ends, middle
         for x, w in GAUSS3:
@@ -125,9 +130,11 @@ class Loads:
         return whole
 
     def _add_forces(self, whole, amplitude):
+        _check(amplitude)
         self.forces.append((amplitude, whole[self.partition.owned_nodes]))
 
     def _add_moments(self, whole, amplitude):
+        _check(amplitude)
         owned = whole[self.partition.owned_nodes]
         nodes = np.flatnonzero(owned.any(axis=1))
         self.moments.append((amplitude, nodes, owned[nodes]))
@@ -138,6 +145,11 @@ def factor(amplitude, level, default):
     if amplitude is not None:
         return amplitude(level)
     return level if default is None else default
+
+
+def _check(amplitude):
+    if amplitude is not None and not callable(amplitude):
+        raise ValueError(f"an amplitude is a function of the level or time, not {amplitude!r}")
 
 
 def _vector(value, what, unit):

@@ -97,9 +97,7 @@ class Newmark(Stepper):
     def kick(self, dt):
         """Velocities over dt by the forces at the present configuration, then the supports."""
         r = self.internal_force()
-        if not self._steady:
-            self.force[:] = 0.0
-            self.shell.loads.force_at(self.time, self.force, default=1.0)
+        self._update_loads()
         inner, outer, lost = explicit.kick(
             self.v, self.q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag, dt
         )  # fmt: skip
@@ -112,17 +110,29 @@ class Newmark(Stepper):
                 self.support_impulse,
             )  # fmt: skip
 
+    def _update_loads(self):
+        if not self._steady:
+            self.force[:] = 0.0
+            self.shell.loads.force_at(self.time, self.force, default=1.0)
+
     def internal_force(self):
-        """Internal forces (n_owned, 6) [N, N m], damped, at the present configuration."""
+        """Internal forces (n_owned, 6) [N, N m], damped, less pressure and moments, at present."""
         if self.damping:
             explicit.ahead(self.owned, self.v, self.q, self.damping, self._ahead[: self.n_owned])
             self.scatter(self._ahead)
-        return self.internal(self._ahead)[: self.n_owned]
+        loads = self.shell.loads
+        pressure = loads.pressure_at(self.time, 1.0) if loads.pressures else 0.0
+        r = self.internal(self._ahead, pressure)[: self.n_owned]
+        if loads.moments:
+            nodes, moments = loads.moment_at(self.time, 1.0)
+            r[nodes, 3:] -= np.cross(moments, self.owned[nodes, 3:])
+        return r
 
     def velocities(self):
         """Velocities (n, 3) of nodes and directors brought from the half step to the present."""
         v, q = self.v.copy(), self.q.copy()
         r = self.internal_force()
+        self._update_loads()
         half = 0.5 * self._last_dt
         explicit.kick(
             v, q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag, half

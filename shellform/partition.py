@@ -73,8 +73,8 @@ class Partition:
         ----------
         where : str, callable, (3,) point or numpy array of int
             Name of an edge; function of points (n, 3) [m] returning a mask (n,); a point, which
-            stands for the nearest node (at most half a cell away); node numbers, as numpy array
-            only, so that the point (10, 0, 0) cannot be taken for three nodes.
+            stands for the nearest node (at most half a cell away); node numbers or a mask, as
+            numpy arrays only, so that the point (10, 0, 0) cannot be taken for three nodes.
 
         Raises
         ------
@@ -97,6 +97,8 @@ class Partition:
                     f"{surface.source}; its points span {surface.bounds.tolist()} m"
                 )
             return found
+        if isinstance(where, np.ndarray) and where.dtype == bool:
+            return self.find(lambda points: where)
         if isinstance(where, np.ndarray) and where.dtype.kind in "iu":
             if where.size == 0 or where.min() < 0 or where.max() >= len(surface.points):
                 raise ValueError(
@@ -123,7 +125,8 @@ class Partition:
         edges = self.surface.edges
         if name not in edges:
             raise ValueError(
-                f"{self.surface.source} has no edge '{name}'; it has {', '.join(sorted(edges))}"
+                f"{self.surface.source} has no edge '{name}'; it has "
+                + (", ".join(sorted(edges)) or "none: name one by surface.with_edges")
             )
         return edges[name]
 

@@ -5,116 +5,55 @@ Options carry the prefix `shell_`; what the user sets on the command line or in 
 A step that does not converge is cut back and retried; later steps grow again.
 """
 
-from dataclasses import dataclass
-
-from petsc4py import PETSc
+import operator
+import warnings
 
 import numpy as np
 
+from . import floating
 from .equilibrium import Equilibrium
-
-DEFAULTS = {
-    "snes_type": "newtonls",
-    # the first residual of a thin sheet rises far above the last before it falls: full steps
-    "snes_linesearch_type": "basic",
-    "snes_rtol": 1e-8,
-    "snes_stol": 1e-10,
-    "snes_max_it": 25,
-    "ksp_type": "preonly",
-    "pc_type": "lu",
-    "pc_factor_mat_solver_type": "mumps",
-}
-
-REASONS = {
-    getattr(PETSc.SNES.ConvergedReason, name): name.replace("_", " ").lower()
-    for name in dir(PETSc.SNES.ConvergedReason)
-    if name.isupper()
-}
+from .newton import Newton
 
 
 class NotConverged(RuntimeError):
     """No solution at some load level after every cut-back; the last good state is kept."""
 
 
-@dataclass(frozen=True)
-class Step:
-    """A converged load step: its level, Newton iterations, residual [N] and reason in words."""
-
-    level: float
-    iterations: int
-    residual: float
-    reason: str
-
-
 class Statics:
-    """Load stepping of a shell.
+    """Load stepping of a shell. Also a context manager, which frees PETSc's objects at its end.
 
     Parameters
     ----------
-    shell : Shell, with supports and loads complete
+    shell : Shell, with supports complete; starts from its reference state
     prefix : str, of the PETSc options
     mip : bool, see `Equilibrium`
+
+    Attributes
+    ----------
+    level : float, where the shell stands; steps : list of Step; cutbacks : int
+
+    Raises
+    ------
+    ValueError if the supports leave a rigid motion free
     """
 
     def __init__(self, shell, prefix="shell_", mip=True):
+        for node, motion in floating.free_motions(shell):
+            raise ValueError(
+                f"the supports leave a rigid motion free: the piece of {shell.surface.source} with "
+                f"node {node} {floating.describe(motion)}; hold it, or use dynamics"
+            )
         self.shell, self.equilibrium = shell, Equilibrium(shell, mip)
-        self.steps, self.cutbacks = [], 0
-        self.level = 0.0
-        set_defaults(prefix, DEFAULTS)
-        eq = self.equilibrium
-        eq.start(0.0)
-        eq.tangent(eq.x)  # creates K
-        self.snes = PETSc.SNES().create(shell.comm)
-        self.snes.setOptionsPrefix(prefix)
-        self.snes.setFunction(lambda snes, x, F: eq.residual(x, F), eq.F)
-        self.snes.setJacobian(lambda snes, x, K, P: eq.tangent(x) and None, eq.K)
-        self.snes.setUpdate(lambda snes, iteration: self._advance(iteration))
-        self.snes.setConvergenceTest(self._converged)
-        self.snes.setFromOptions()
-
-    def _advance(self, iteration):
-        if iteration:
-            self.equilibrium.advance(self.snes.getSolution())
-
-    def _converged(self, snes, iteration, norms):
-        reasons = PETSc.SNES.ConvergedReason
-        _, step, residual = norms
-        rtol, atol, stol, max_it = snes.getTolerances()
-        if not np.isfinite(residual):
-            return reasons.DIVERGED_FNORM_NAN
-        eq = self.equilibrium
-        roundoff = eq.roundoff()
-        if residual <= atol or residual <= rtol * eq.force_scale():
-            return reasons.CONVERGED_FNORM_RELATIVE
-        # roundoff is an estimate: a load as small still deserves one iteration
-        if residual == 0.0 or (iteration and residual <= roundoff):
-            return reasons.CONVERGED_FNORM_ABS
-        scale = eq.length * np.sqrt(len(eq.shell.partition.surface.points))
-        if iteration and step <= stol * scale and residual <= 100 * roundoff:
-            return reasons.CONVERGED_SNORM_RELATIVE
-        if iteration >= max_it:
-            return reasons.DIVERGED_MAX_IT
-        return reasons.CONVERGED_ITERATING
-
-    def solve_at(self, level):
-        """One Newton solve at a load level from the present state; returns a Step or None."""
-        eq = self.equilibrium
-        eq.start(level)
-        self.snes.solve(None, eq.x)
-        reason = self.snes.getConvergedReason()
-        self.reason = REASONS.get(reason, str(reason))
-        if reason <= 0:
-            return None
-        eq.advance(eq.x)
-        self.level = level
-        return Step(level, self.snes.getIterationNumber(), self.snes.getFunctionNorm(), self.reason)
+        self.steps, self.cutbacks, self.level = [], 0, 0.0
+        self.newton = Newton(self.equilibrium, prefix)
+        self._pace = 0.0
 
     def march(self, levels, smallest=2.0**-10):
         """Solve at each load level in turn, cutting steps back where Newton fails.
 
         Parameters
         ----------
-        levels : int (that many equal steps to 1) or increasing sequence of load levels
+        levels : int (that many equal steps to 1) or sequence of load levels, up or down
         smallest : float, smallest sub-step as a part of a step
 
         Yields
@@ -123,31 +62,61 @@ class Statics:
 
         Raises
         ------
-        NotConverged; the shell then holds the last converged state
+        ValueError for levels that are no finite numbers; NotConverged, the shell then holds the
+        last converged state and can be marched on from there
         """
-        if isinstance(levels, int):
-            levels = np.linspace(0, 1, levels + 1)[1:]
-        for goal in map(float, levels):
-            whole = part = goal - self.level
+        if self.newton is None or self.equilibrium.stale():
+            raise ValueError("this solver is destroyed, or a newer one has taken the shell over")
+        for goal in _levels(levels):
+            part, whole = goal - self.level, abs(goal - self.level)
+            step = self._sub_step(goal) if whole == 0 else None
             while self.level != goal:
-                state, start = self.equilibrium.state(), self.level
-                target = goal if abs(part) > 0.999 * abs(goal - start) else start + part
-                step = self.solve_at(target)
-                if step is not None:
-                    self.steps.append(step)
-                    if step.iterations <= 8:
-                        part = 2 * part if abs(2 * part) < abs(whole) else whole
-                    continue
-                self.equilibrium.restore(state)
-                self.cutbacks += 1
-                part = 0.5 * (target - start)
-                if abs(part) < smallest * abs(whole):
-                    raise NotConverged(
-                        f"no equilibrium between levels {start:.6g} and {start + 2 * part:.6g}: "
-                        f"SNES says {self.reason}. The state at {start:.6g} is kept; try smaller "
-                        "steps, more inertia (dynamics) or check the supports"
-                    )
+                start = self.level
+                rest = goal - start
+                step = self._sub_step(goal if abs(part) > 0.999 * abs(rest) else start + part)
+                if step is None:
+                    part = 0.5 * (part if abs(part) < abs(rest) else rest)
+                    if abs(part) < smallest * whole:
+                        break
+                elif step.iterations <= 8:
+                    part = part * min(2.0, whole / abs(part))
+            if step is None:
+                raise NotConverged(
+                    f"no equilibrium found just beyond level {self.level:.6g} (SNES: "
+                    f"{self.newton.reason}), whose state is kept. Past a limit point or buckling, "
+                    "prescribe a displacement (supports.move) or use dynamics"
+                )
             yield step
+
+    def _sub_step(self, target):
+        """Solve at a level; the Step, or None with the state restored."""
+        eq, start, state = self.equilibrium, self.level, self.equilibrium.state()
+        step = self.newton.solve(target)
+        if step is None:
+            eq.restore(state)
+            self.cutbacks += 1
+            return None
+        self.level = target
+        self.steps.append(step)
+        self._watch_jumps(step, start, eq.largest_change(state))
+        return step
+
+    def _watch_jumps(self, step, start, change):
+        if step.level == start:
+            return
+        pace = change / abs(step.level - start)
+        if (
+            self._pace
+            and step.iterations > 8
+            and pace > 5 * self._pace
+            and not self.shell.comm.rank
+        ):
+            warnings.warn(
+                f"between levels {start:.6g} and {step.level:.6g} the sheet jumped {change:.3g} m, "
+                f"{pace / self._pace:.0f} times its pace before: a snap-through may lie there",
+                stacklevel=4,
+            )
+        self._pace = pace
 
     def solve(self, levels=10):
         """`march` to the end; returns the list of all converged steps."""
@@ -155,15 +124,43 @@ class Statics:
             pass
         return self.steps
 
+    def reactions(self):
+        """Forces (n, 3) [N] of the supports on the sheet, in the surface's numbering.
+
+        All ranks call it, all get them. Their sum is minus that of the loads.
+        """
+        eq = self.equilibrium
+        forces = eq.reaction[:, :3]
+        if eq.Q is not None:
+            forces = np.einsum("nji,nj->ni", eq.Q[: eq.n_owned], forces)
+        return self.shell.partition.gather(forces)
+
     def destroy(self):
-        """Free PETSc's objects."""
-        self.snes.destroy()
-        self.equilibrium.destroy()
+        """Free PETSc's objects; the shell keeps its state."""
+        if self.newton is not None:
+            self.newton.destroy()
+            self.equilibrium.destroy()
+            self.newton = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.destroy()
 
 
-def set_defaults(prefix, values):
-    """Put option values into PETSc's database under a prefix where the user set none."""
-    options = PETSc.Options(prefix)
-    for key, value in values.items():
-        if not options.hasName(key):
-            options[key] = value
+def _levels(levels):
+    if np.ndim(levels) == 0:
+        try:
+            count = operator.index(levels)
+        except TypeError:
+            count = 0
+        if count < 1:
+            raise ValueError(
+                f"levels are a number of equal steps to 1, or a sequence of levels, not {levels}"
+            )
+        levels = np.arange(1, count + 1) / count
+    levels = np.asarray(levels, float).ravel()
+    if not np.all(np.isfinite(levels)):
+        raise ValueError(f"load levels must be finite numbers, not {levels.tolist()}")
+    return levels.tolist()

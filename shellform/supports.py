@@ -5,6 +5,8 @@ An edge of a shell holds its displacement (any of three directions), its directo
 plane), or both. Conditions add up: two symmetry planes that meet at a node hold its director.
 """
 
+from mpi4py import MPI
+
 import numpy as np
 
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -20,6 +22,7 @@ class Supports:
     held : (n, 5) bool, unknowns with a prescribed value
     inclined : (n,) bool, nodes whose axes are not the world's
     plane : (n, 3), normal of the plane that guides a director, NaN where none
+    frozen : bool, set once a solver has taken the supports over: then none can be added
     """
 
     def __init__(self, partition):
@@ -29,6 +32,7 @@ class Supports:
         self.held = np.zeros((n, 5), bool)
         self.inclined = np.zeros(n, bool)
         self.plane = np.full((n, 3), np.nan)
+        self.frozen = False
         self.motions = []  # (local nodes, components, displacement(level), director(level))
 
     def clamp(self, where):
@@ -43,6 +47,8 @@ class Supports:
 
     def hold(self, where, components="xyz"):
         """Hold displacement components, 'x', 'yz', ... of the nodes at a place."""
+        if not isinstance(components, str):
+            raise ValueError(f"displacement components are a string as 'xz', not {components!r}")
         unknown = set(components) - set(AXES)
         if unknown or not components:
             raise ValueError(f"displacement components are x, y, z, not '{components}'")
@@ -67,6 +73,16 @@ class Supports:
             return
         plane = unit(plane)
         partition = self.partition
+        # on the whole surface, so that every rank raises or none does
+        nodes = partition.find(where)
+        lean = np.abs(partition.surface.directors[nodes] @ plane)
+        if lean.max() > 0.3:
+            worst = int(lean.argmax())
+            raise ValueError(
+                f"node {nodes[worst]} of {partition.surface.source} cannot keep its director in "
+                f"the plane with normal {plane.tolist()}: it leans out by "
+                f"{np.degrees(np.arcsin(min(1.0, lean[worst]))):.0f} degrees"
+            )
         for node in local:
             known = self.plane[node]
             if np.isfinite(known[0]) and abs(abs(known @ plane) - 1) > 1e-12:
@@ -75,12 +91,6 @@ class Supports:
                 self.plane[node], self.held[node, 4] = plane, True
             d = partition.directors[node]
             off = d @ plane
-            if abs(off) > 0.3:
-                raise ValueError(
-                    f"node {partition.nodes[node]} of {partition.surface.source} cannot keep its "
-                    f"director in the plane with normal {plane.tolist()}: it leans out by "
-                    f"{np.degrees(np.arcsin(min(1.0, abs(off)))):.0f} degrees"
-                )
             # directors averaged over one side of the plane only lean a little: put them in it
             d = d - off * plane
             partition.directors[node] = d / np.linalg.norm(d)
@@ -95,16 +105,24 @@ class Supports:
             An array is reached in proportion to the level. Rows follow the sorted node numbers.
         director : callable(level) -> (3,) or (k, 3) unit vectors, or None (stays)
         """
+        self._check_open()
         partition = self.partition
         nodes = partition.find(where)
         rows = np.flatnonzero(partition._local[nodes] >= 0)
         local = partition._local[nodes[rows]]
-        if np.any(self.inclined[local]):
+        if partition.comm.allreduce(bool(self.inclined[local].any()), op=MPI.LOR):
             raise ValueError(
                 "a node that slides in an inclined plane cannot also follow a prescribed motion"
             )
+        if director is not None and not callable(director):
+            raise ValueError("a prescribed director is a function of the level, not a constant")
         if displacement is not None and not callable(displacement):
             goal = np.array(displacement, float)
+            if goal.shape not in ((3,), (len(nodes), 3)) or not np.all(np.isfinite(goal)):
+                raise ValueError(
+                    f"a prescribed displacement is (3,) or ({len(nodes)}, 3) finite numbers in m, "
+                    f"not {goal.tolist()}"
+                )
             displacement = lambda level: level * goal  # noqa: E731
         if displacement is not None:
             self.held[local, :3] = True
@@ -119,7 +137,12 @@ class Supports:
             d = None if director is None else _rows(director(level), rows)
             yield local, u, d
 
+    def _check_open(self):
+        if self.frozen:
+            raise ValueError("give all supports before the solver is made; it has taken these over")
+
     def _local(self, where):
+        self._check_open()
         return self.partition.local(self.partition.find(where))
 
     def _hold_direction(self, node, direction):

@@ -111,6 +111,28 @@ def test_momentum_balance_under_gravity():
     assert p == pytest.approx([0, 0, -weight * 0.05], abs=1e-12 * weight)
 
 
+def test_pressure_and_moment_act_in_full():
+    """Without amplitude loads stand at their full value: p A and the moments are the rates."""
+    shell = sheet(4)
+    shell.loads.pressure(10.0)
+    shell.loads.edge_moment("right", (0.0, 3e-3, 0.0))
+    newmark = Newmark(shell)
+    newmark.advance(0.01)
+    p, j, _ = newmark.momenta()
+    assert p == pytest.approx([0, 0, 10.0 * 0.01], rel=2e-3, abs=1e-4)
+    turned = 10.0 * 0.01 * np.array([0.5, -0.5, 0.0]) + [0.0, 3e-3 * 0.01, 0.0]
+    assert j == pytest.approx(turned, abs=2e-5 * 10)
+
+
+def test_amplitude_is_a_function_of_time():
+    shell = sheet(4)
+    shell.loads.gravity((0.0, 0.0, -9.81), amplitude=lambda t: 2.0 * t)
+    newmark = Newmark(shell)
+    newmark.advance(0.05)
+    p, *_ = newmark.momenta()
+    assert p[2] == pytest.approx(-shell.fabric.areal_mass * 9.81 * 0.05**2, rel=1e-12)
+
+
 def test_free_fall_is_exact_and_undamped_by_stiffness_damping():
     shell = sheet(6)
     shell.loads.gravity((0.0, 0.0, -9.81))

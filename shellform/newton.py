@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One nonlinear solve of the 5-dof equilibrium by PETSc SNES; roundoff-aware convergence.
+
+Thin sheets mix a stiff membrane with a soft bending: the roundoff of the membrane force can exceed
+any fixed tolerance of the loads. A solve has converged when the residual is small against the
+loads, or no larger than that roundoff.
+
+Options carry a prefix; what the user sets on the command line or in PETSC_OPTIONS wins.
+"""
+
+from dataclasses import dataclass
+
+from petsc4py import PETSc
+
+import numpy as np
+
+DEFAULTS = {
+    "snes_type": "newtonls",
+    # the first residual of a thin sheet rises far above the last before it falls: full steps
+    "snes_linesearch_type": "basic",
+    "snes_rtol": 1e-8,
+    "snes_stol": 1e-10,
+    "snes_max_it": 25,
+    "ksp_type": "preonly",
+    "pc_type": "lu",
+    "pc_factor_mat_solver_type": "mumps",
+    # room for pivoting: far iterates are indefinite
+    "mat_mumps_icntl_14": 100,
+}
+
+REASONS = {
+    getattr(PETSc.SNES.ConvergedReason, name): name.replace("_", " ").lower()
+    for name in dir(PETSc.SNES.ConvergedReason)
+    if name.isupper()
+}
+
+
+@dataclass(frozen=True)
+class Step:
+    """A converged step: load level or time, Newton iterations, residual [N], reason in words."""
+
+    level: float
+    iterations: int
+    residual: float
+    reason: str
+
+
+class Newton:
+    """SNES on an equilibrium.
+
+    Parameters
+    ----------
+    equilibrium : Equilibrium
+    prefix : str, of the PETSc options
+
+    Attributes
+    ----------
+    reason : str, how the last solve ended, in words
+    """
+
+    def __init__(self, equilibrium, prefix):
+        self.equilibrium = eq = equilibrium
+        set_defaults(prefix, DEFAULTS)
+        eq.start(0.0)
+        eq.tangent(eq.x)  # creates K
+        self.reason = "not yet run"
+        self.snes = PETSc.SNES().create(eq.shell.comm)
+        self.snes.setOptionsPrefix(prefix)
+        self.snes.setFunction(lambda snes, x, F: eq.residual(x, F), eq.F)
+        self.snes.setJacobian(lambda snes, x, K, P: eq.tangent(x) and None, eq.K)
+        self.snes.setUpdate(lambda snes, iteration: self._advance(iteration))
+        self.snes.setConvergenceTest(self._converged)
+        self.snes.setFromOptions()
+
+    def solve(self, level):
+        """Solve at a load level or time from the present state; returns a Step, None if it fails.
+
+        The state after a failure is that of the last iterate: restore it.
+        """
+        eq = self.equilibrium
+        eq.start(level)
+        self._best = []
+        try:
+            self.snes.solve(None, eq.x)
+            reason = self.snes.getConvergedReason()
+        except PETSc.Error as error:
+            if error.ierr != 76:  # an external library's failure: MUMPS on a singular matrix
+                raise
+            reason = PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE
+        self.reason = REASONS.get(reason, str(reason))
+        if reason <= 0:
+            # a factor that failed would refuse every later matrix
+            self.snes.getKSP().getPC().reset()
+            return None
+        eq.advance(eq.x)
+        return Step(level, self.snes.getIterationNumber(), self.snes.getFunctionNorm(), self.reason)
+
+    def _advance(self, iteration):
+        if iteration:
+            self.equilibrium.advance(self.snes.getSolution())
+
+    def _converged(self, snes, iteration, norms):
+        reasons = PETSc.SNES.ConvergedReason
+        _, step, residual = norms
+        rtol, atol, stol, max_it = snes.getTolerances()
+        if not np.isfinite(residual):
+            return reasons.DIVERGED_FNORM_NAN
+        eq = self.equilibrium
+        roundoff = eq.roundoff()
+        if residual <= atol or residual <= rtol * eq.force_scale():
+            return reasons.CONVERGED_FNORM_RELATIVE
+        # roundoff is an estimate: a load as small still deserves one iteration
+        if residual == 0.0 or (iteration and residual <= roundoff):
+            return reasons.CONVERGED_FNORM_ABS
+        scale = eq.length * np.sqrt(len(eq.shell.partition.surface.points))
+        if iteration and step <= stol * scale and residual <= 100 * roundoff:
+            return reasons.CONVERGED_SNORM_RELATIVE
+        # beyond a limit point the residual wanders: no use in spending all iterations there
+        self._best.append(min([residual, *self._best[-1:]]))
+        if iteration >= max_it or (iteration >= 16 and self._best[-1] > 0.1 * self._best[-13]):
+            return reasons.DIVERGED_MAX_IT
+        return reasons.CONVERGED_ITERATING
+
+    def destroy(self):
+        """Free the SNES."""
+        self.snes.destroy()
+
+
+def set_defaults(prefix, values):
+    """Put option values into PETSc's database under a prefix where the user set none."""
+    options = PETSc.Options(prefix)
+    for key, value in values.items():
+        if not options.hasName(key):
+            options[key] = value
