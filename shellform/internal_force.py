@@ -12,6 +12,8 @@ import ufl
 from dolfinx import cpp, fem, la
 from ufl.algorithms import expand_derivatives
 
+from .shell import compiled
+
 # without NaN or infinity assumed away: a step that explodes must be seen to
 FAST = ["-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fassociative-math"]
 FAST += ["-fno-signed-zeros", "-freciprocal-math", "-ffp-contract=fast"]
@@ -48,10 +50,7 @@ class InternalForce:
         if shell.loads.pressures:
             self._pressure = fem.Constant(shell.mesh, 0.0)
             forms.append(shell.pressure_force(self._pressure))
-        for form in forms:
-            form.signature()
-        jit = {"timeout": 600, "cffi_extra_compile_args": FAST}
-        self._forms = [fem.form(form, jit_params=jit) for form in forms]
+        self._forms = compiled([forms], cffi_extra_compile_args=FAST)[0]
         width = 6 * shell.surface.cells.shape[1]
         dofs = shell.space.dofmap.list.array.reshape(-1, width // 6)
         self._index = (6 * dofs[:, :, None] + np.arange(6)).reshape(-1, width)

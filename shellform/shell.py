@@ -12,6 +12,8 @@ C (e(w_) + De(w_)[dw_]) (mixed integration point, Magisano, Leonetti and Garcea,
 Methods Engrg. 109, 2017). With w_ = w and dw_ = 0 the same form is the exact tangent.
 """
 
+import logging
+
 from mpi4py import MPI
 
 import ufl
@@ -245,8 +247,14 @@ class Shell:
         return self.strain(strain, self.before) + change
 
 
-def compiled(groups):
+def compiled(groups, **jit):
     """Compile tuples of UFL forms; all signatures first: compiling one changes those of others."""
     for form in (form for group in groups for form in group):
         form.signature()
-    return [tuple(fem.form(form, jit_params=JIT) for form in group) for group in groups]
+    quiet = logging.getLogger()
+    level = quiet.level
+    quiet.setLevel(logging.WARNING)  # or the C compiler's command lines reach the terminal
+    try:
+        return [tuple(fem.form(form, jit_params=JIT | jit) for form in group) for group in groups]
+    finally:
+        quiet.setLevel(level)
