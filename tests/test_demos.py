@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Demos and the README's scripts run as a user runs them, on one rank and on two."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+ENVIRONMENT = os.environ | {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMP_NUM_THREADS": "1",
+}
+pytestmark = pytest.mark.serial
+
+
+def run(*arguments, ranks=1, cwd=ROOT):
+    command = [sys.executable, *map(str, arguments)]
+    if ranks > 1:
+        launcher = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
+        command = launcher + command
+    return subprocess.run(
+        command, cwd=cwd, env=ENVIRONMENT, capture_output=True, text=True, timeout=600, check=False
+    )
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_roll_up(ranks, tmp_path):
+    done = run("demos/roll_up.py", "--cells", 12, "--steps", 20, "--out", tmp_path, ranks=ranks)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    results = summary["results"]
+    assert results["tip_error_over_length"] < 3e-4
+    assert len(results["newton_iterations_per_step"]) == 20
+    assert max(results["newton_iterations_per_step"]) <= 6
+    assert summary["ranks"] == ranks
+    assert summary["dofs"] == 5 * summary["nodes"] - 10 - 2 * 2 * 12
+    for key in ("setup", "compile", "assemble", "solve", "contact", "output", "total"):
+        assert summary["seconds"][key] >= 0
+    assert (tmp_path / "roll_up.png").read_bytes()[:4] == b"\x89PNG"
+    frames = re.findall(r'file="(.*?)"', (tmp_path / "series.pvd").read_text())
+    assert len(frames) == 5
+    assert all((tmp_path / name).is_file() for name in frames)
+    assert "error/L" in done.stdout
+    assert done.stderr == ""  # no bar, no compiler's lines, where there is no terminal
+
+
+def test_roll_up_passes_options_on_to_petsc(tmp_path):
+    out = ("--cells", 4, "--turns", 0.2, "--steps", 1, "--out", tmp_path)
+    done = run("demos/roll_up.py", *out, "-shell_snes_monitor")
+    assert "SNES Function norm" in done.stdout
+    assert "SNES Function norm" not in run("demos/roll_up.py", *out).stdout
+
+
+@pytest.mark.parametrize(("percent", "bar"), [("3%", 0.03), ("0.3%", 0.003)])
+def test_roll_up_keeps_the_accuracy_asked_for(percent, bar, tmp_path):
+    done = run("demos/roll_up.py", "--accuracy", percent, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    results = json.loads((tmp_path / "summary.json").read_text())["results"]
+    assert bar / 20 < results["tip_error_over_length"] < bar
+
+
+BAD = {
+    "an unknown option": (["--cell", "3"], "unknown argument --cell"),
+    "a negative thickness": (["--thickness", "-1"], "must be above zero, not -1"),
+    "no turns": (["--turns", "0"], "--turns must be a finite number other than zero"),
+    "an accuracy in no unit": (["--accuracy", "0.01"], "draft, standard, fine or a percentage"),
+    "one Newton iteration": (["-shell_snes_max_it", "1"], "no equilibrium found"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_roll_up_refuses(name, tmp_path):
+    arguments, words = BAD[name]
+    done = run("demos/roll_up.py", *arguments, "--out", tmp_path)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_failing_run_ends_all_ranks(tmp_path):
+    done = run("demos/roll_up.py", "-shell_snes_max_it", 1, "--out", tmp_path, ranks=2)
+    assert done.returncode != 0
+    assert done.stderr.count("no equilibrium found") == 1
+
+
+def blocks():
+    return re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
+
+
+@pytest.mark.parametrize("number", range(len(blocks())))
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_scripts_of_the_readme(number, ranks, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(blocks()[number])
+    done = run(script, ranks=ranks)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def test_reading_a_fabric_starts_no_finite_elements():
+    """Names are loaded when used: what a script does not need is not imported."""
+    code = (
+        "import sys, shellform, meshes, contact; shellform.Fabric; meshes.rectangle(1, 1, (2, 2));"
+        "print([m for m in ('dolfinx', 'petsc4py', 'gmsh', 'meshio', 'matplotlib') "
+        "if m in sys.modules])"
+    )
+    done = run("-c", code)
+    assert done.stdout.strip() == "[]", done.stderr
