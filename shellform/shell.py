@@ -75,9 +75,12 @@ class Shell:
         curvature="turning",
         thick=False,
     ):
-        for value, choices in ((membrane, ("arcs", "chords")), (curvature, ("turning", "plain"))):
+        for name, value, choices in (
+            ("membrane", membrane, ("arcs", "chords")),
+            ("curvature", curvature, ("turning", "plain")),
+        ):
             if value not in choices:
-                raise ValueError(f"choose one of {', '.join(choices)}, not '{value}'")
+                raise ValueError(f"{name} is one of {', '.join(choices)}, not '{value}'")
         for given, kind, name in (
             (surface, Surface, "a meshes.Surface"),
             (fabric, Sheet, "a Fabric"),
