@@ -3,6 +3,10 @@
 
 The package works on arrays (positions, velocities, masses) and knows no finite elements, so that
 one and the same correction serves the shell and the particle model. `body` gives the ellipsoids and
-their motion, `correction` is called between steps; for every point `planes` says what bounds its
-step, `wedge` finds the nearest step allowed, `friction` what slip is left, `point` books it.
+their motion, `correction` is called between steps; `travel` holds how the ellipsoids move over one.
+For every point `planes` says what bounds its step, `wedge` finds the nearest step allowed,
+`friction` what slip is left, and `point` puts them together and books what was done.
+
+Kernels are compiled once and kept beside the sources. Numba looks only at the file of the outermost
+kernel: after a change in another one, remove `contact/__pycache__` or touch `correction.py`.
 """

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The hook between steps: velocities corrected so that cloth stays out of the body, Eqs. 15 and 16.
+
+A stepper of leapfrog type has positions x at t and free velocities v, advanced over the step by all
+forces but contact; x + dt v would be the positions at t + dt. Where that step would enter the body,
+v is changed: first along the normals (planes.py, wedge.py), then by friction (friction.py). Every
+change is an impulse m (v_after - v_before) and is booked, per node and per segment, so that
+momentum closes to roundoff and the mean of impulse / dt is the contact force. A node at rest gets
+its weight times dt in each step.
+
+All impulses booked act on the cloth; the segment receives the opposite.
+
+Work of an impulse J is J . (v_old + v_after) / 2 with v_old the velocity before the forces were
+applied (without it: the free velocity). Then the work of forces and contact over a step adds up to
+the change of kinetic energy, and nodes at rest dissipate nothing.
+"""
+
+import numpy as np
+from numba import njit
+
+from contact.friction import coefficients
+from contact.planes import PLANE
+from contact.point import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, Ledger, meet_body
+from contact.travel import TRAVEL, in_reach, set_travel
+
+
+@njit(cache=True, error_model="numpy")
+def _correct(
+    x, v, old, mass, fixed, dt, law, start, start_axes, end, end_axes, radii, travel, planes, room,
+    samples, weights, segment, sample_segment, impulse, book, window, window_book, counts,
+):  # fmt: skip
+    """One step of contact for all nodes, then for all samples; returns node + 1 if not finite."""
+    set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
+    counts[:] = 0
+    book[:] = 0.0
+    deepest = 0.0
+    kick, change, p, u = room[4], room[5], room[6], room[7]
+    for i in range(len(x)):
+        total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
+        if not np.isfinite(total):
+            return i + 1, deepest
+        for c in range(3):
+            impulse[i, c] = 0.0
+        if fixed[i]:
+            segment[i] = -1
+            continue
+        reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
+        if not in_reach(x[i], reach, travel):
+            segment[i] = -1
+            continue
+        for c in range(3):
+            kick[c] = v[i, c] - old[i, c]
+        segment[i], depth = meet_body(
+            x[i], v[i], kick, mass[i], dt, law, segment[i], travel, planes, room, book, counts,
+            change,
+        )  # fmt: skip
+        deepest = max(deepest, depth)
+        if segment[i] >= 0:
+            for c in range(3):
+                v[i, c] += change[c]
+                impulse[i, c] = mass[i] * change[c]
+    for cell in range(len(samples)):
+        for s in range(len(weights)):
+            inverse = 0.0
+            for c in range(3):
+                p[c] = u[c] = kick[c] = 0.0
+            for a in range(4):
+                i, w = samples[cell, a], weights[s, a]
+                if not fixed[i]:
+                    inverse += w * w / mass[i]
+                for c in range(3):
+                    p[c] += w * x[i, c]
+                    u[c] += w * v[i, c]
+                    booked = 0.0 if fixed[i] else impulse[i, c] / mass[i]
+                    kick[c] += w * (v[i, c] - booked - old[i, c])
+            if inverse == 0.0:
+                continue
+            segment_s, depth = meet_body(
+                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], travel, planes, room,
+                book, counts, change,
+            )  # fmt: skip
+            sample_segment[cell, s] = segment_s
+            deepest = max(deepest, depth)
+            if segment_s >= 0:
+                for a in range(4):
+                    i, w = samples[cell, a], weights[s, a]
+                    for c in range(3):
+                        impulse[i, c] += w * change[c] / inverse
+                        if not fixed[i]:
+                            v[i, c] += w * change[c] / inverse / mass[i]
+    for i in range(len(x)):
+        for c in range(3):
+            window[i, c] += impulse[i, c]
+    window_book += book
+    return 0, deepest
+
+
+class Correction:
+    """Contact and friction with a body, applied between steps.
+
+    Parameters
+    ----------
+    body : Body
+    nodes : int, owned nodes n
+    friction : float or (mu_s, mu_k)
+    offset : float, distance from the skin at which cloth is held: half its thickness [m]
+    fixed : (n,) bool or None, nodes of prescribed motion: left alone
+    recovery : float, greatest speed at which a point that starts a step inside is moved out [m/s]
+    samples : None or (cells (k, 4) int, weights (s, 4) float)
+        Further points sum_a weights[a] x[cells[a]] in every cell, met once after the nodes; their
+        impulses go to the nodes by the weights. Cells of owned nodes only.
+
+    Attributes
+    ----------
+    last : Ledger of the last step
+    window : Ledger of all steps since the last `reset`
+    segment : (n,) int, segment touched in the last step, where two hold the node the one that
+        pushes more; -1 without contact
+    evaluated : closest points computed in the last step
+    active, sticking : points in contact in the last step, of these in stick
+    pinched : points to which several segments left no room in the last step
+    max_depth : float, deepest start of the last step below the offset surface [m]
+    """
+
+    def __init__(
+        self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, samples=None
+    ):
+        mu_s, mu_k = coefficients(friction)
+        if not (np.isfinite(offset) and offset >= 0):
+            raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
+        if not recovery > 0:
+            raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
+        self.fixed = np.zeros(nodes, bool) if fixed is None else np.array(fixed, bool)
+        if self.fixed.shape != (nodes,):
+            raise ValueError(f"fixed has shape {self.fixed.shape}, not ({nodes},)")
+        cells, weights = (np.zeros((0, 4)), np.zeros((0, 4))) if samples is None else samples
+        self._cells = np.ascontiguousarray(cells, np.int64)
+        self._weights = np.ascontiguousarray(weights, float)
+        if self._cells.shape[1:] != (4,) or self._weights.shape[1:] != (4,):
+            raise ValueError("samples are cells of four nodes and rows of four weights")
+        if self._cells.size and not 0 <= self._cells.min() <= self._cells.max() < nodes:
+            raise ValueError(f"sample cells name nodes outside 0 to {nodes - 1}")
+        self.body, self._law = body, (mu_s, mu_k, float(offset), float(recovery))
+        m = len(body.radii)
+        self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
+        self.segment = np.full(nodes, -1, np.int64)
+        self._sample_segment = np.full((len(self._cells), len(self._weights)), -1, np.int64)
+        self.max_depth, self._counts = 0.0, np.zeros(COUNTS, np.int64)
+        self._radii = np.ascontiguousarray(body.radii, float)
+        self._scratch = np.zeros(m, TRAVEL), np.zeros(m, PLANE), np.zeros((8, 3))
+        self._start, self._end = body.new_pose(), body.new_pose()
+        self._start_time = self._end_time = None
+
+    def __call__(self, x, v, mass, dt, t, v_old=None):
+        """Correct v for the step from t to t + dt.
+
+        Parameters
+        ----------
+        x : (n, 3) float, positions at t [m]
+        v : (n, 3) float, free velocities [m/s], changed in place; x + dt v is then admissible
+        mass : (n,) float [kg]
+        dt, t : float [s]
+        v_old : (n, 3) float or None, velocities of the last step [m/s]; for work and losses only
+
+        Raises
+        ------
+        FloatingPointError
+            When a position or velocity is not finite, with the node; v is then partly corrected.
+        """
+        for name, array, shape in (
+            ("x", x, self.last.impulse.shape),
+            ("v", v, self.last.impulse.shape),
+            ("mass", mass, self.segment.shape),
+            ("v_old", x if v_old is None else v_old, self.last.impulse.shape),
+        ):
+            if array.shape != shape:
+                raise ValueError(f"{name} has shape {array.shape}, not {shape}")
+        self._move(t, t + dt)
+        last, window = self.last, self.window
+        bad, self.max_depth = _correct(
+            x, v, v if v_old is None else v_old, mass, self.fixed, dt, self._law,
+            self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
+            *self._scratch, self._cells, self._weights, self.segment,
+            self._sample_segment, last.impulse, last.table, window.impulse, window.table,
+            self._counts,
+        )  # fmt: skip
+        if bad:
+            i = bad - 1
+            raise FloatingPointError(
+                f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
+                "the step has exploded; take a smaller one"
+            )
+        last.seconds = dt
+        window.seconds += dt
+
+    def _move(self, start, end):
+        """Poses at the two times; the end of one step usually is the start of the next."""
+        if start == self._end_time:
+            self._start, self._end = self._end, self._start
+        elif start != self._start_time:
+            self.body.pose(start, self._start)
+        self.body.pose(end, self._end)
+        self._start_time, self._end_time = start, end
+
+    @property
+    def evaluated(self):
+        return int(self._counts[EVALUATED])
+
+    @property
+    def active(self):
+        return int(self._counts[ACTIVE])
+
+    @property
+    def sticking(self):
+        return int(self._counts[STICKING])
+
+    @property
+    def pinched(self):
+        return int(self._counts[PINCHES])
+
+    def reset(self):
+        """Begin a new window."""
+        self.window.clear()
+
+    def state(self):
+        """What the next step needs to know of this one, for `restore` (copies)."""
+        return {"segment": self.segment.copy(), "sample_segment": self._sample_segment.copy()}
+
+    def restore(self, state):
+        """Continue from `state()`."""
+        self.segment[:] = state["segment"]
+        self._sample_segment[:] = state["sample_segment"]

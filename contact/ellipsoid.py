@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The ellipsoid: implicit surface, closest point and normal, Eq. 15.
+
+Eq. 15 is level(x) = sum_i (x_i / r_i)^2 - 1 (the paper prints the -1 inside the sum), x in the axes
+of the ellipsoid. Its gradient gives the normal; the level itself is no distance.
+
+A point y has its foot x where y - x is along the gradient: with q_i = r_i / r_min,
+x_i = q_i^2 y_i / (w + q_i^2 - 1), w the largest root of sum (x_i / r_i)^2 = 1 (D. Eberly, "Distance
+from a point to an ellipse, an ellipsoid, or a hyperellipsoid", with s = w - 1). The unknown w has
+the pole next to the root at zero, so it keeps its relative precision however close to the symmetry
+plane the point lies; that holds the level error at roundoff for every aspect. In that plane, inside
+the focal curve, w = 0 and there are two feet; the one on the positive side is taken, for a sphere's
+centre the one on the last axis.
+"""
+
+import numpy as np
+from numba import njit
+
+MAX_ITERATIONS = 200  # below 20 are needed, log-bisections included
+
+
+@njit(cache=True, error_model="numpy")
+def level(x, radii):
+    """Left side of Eq. 15: negative inside, zero on the surface.
+
+    Parameters
+    ----------
+    x : (3,) float, point in the axes of the ellipsoid [m]
+    radii : (3,) float, semi-axes [m]
+    """
+    return (x[0] / radii[0]) ** 2 + (x[1] / radii[1]) ** 2 + (x[2] / radii[2]) ** 2 - 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def _root(z0, z1, z2, e0, e1, e2):
+    """Root w > 0 of sum_i (p_i / (w + e_i))^2 = 1, p_i = (1 + e_i) z_i, one e_i = 0, all >= 0.
+
+    Newton on 1/sqrt(sum) - 1, which is concave and nearly straight near a pole: from the left it
+    never overshoots. A step that leaves the bracket, or that did not bring the residual down to a
+    quarter, gives way to a bisection in log w.
+    """
+    p0, p1, p2 = z0 + e0 * z0, z1 + e1 * z1, z2 + e2 * z2
+    low = max(p0 if e0 == 0.0 else 0.0, p1 if e1 == 0.0 else 0.0, p2 if e2 == 0.0 else 0.0)
+    high = np.sqrt(p0 * p0 + p1 * p1 + p2 * p2)
+    if z0 * z0 + z1 * z1 + z2 * z2 < 1.0:
+        high = min(high, 1.0)
+    # every single term puts the root above p - e; those with e > 0 lose digits: a start, no bound
+    w = max(low, p0 - e0, p1 - e1, p2 - e2)
+    before = np.inf
+    for _ in range(MAX_ITERATIONS):
+        # a term without numerator may have no denominator either
+        d0 = w + e0 if p0 > 0.0 else 1.0
+        d1 = w + e1 if p1 > 0.0 else 1.0
+        d2 = w + e2 if p2 > 0.0 else 1.0
+        u0, u1, u2 = p0 / d0, p1 / d1, p2 / d2
+        total = u0 * u0 + u1 * u1 + u2 * u2
+        if total >= 1.0:
+            low = max(low, w)
+        else:
+            high = min(high, w)
+        residual = abs(total - 1.0)
+        if residual <= 4e-16 or high <= low * (1.0 + 3e-16):
+            break
+        slope = u0 * u0 / d0 + u1 * u1 / d1 + u2 * u2 / d2
+        ahead = w + total * (np.sqrt(total) - 1.0) / slope
+        before, poor = residual, residual > 0.25 * before
+        if poor or not low <= ahead <= high:
+            ahead = np.sqrt(low) * np.sqrt(high) if low > 0.0 else 0.5 * high
+            before = np.inf
+        if ahead == w:
+            break
+        w = ahead
+    return w
+
+
+@njit(cache=True, error_model="numpy")
+def foot_and_normal(y0, y1, y2, r0, r1, r2):
+    """Closest point of the surface; scalars in and out, as the contact loop needs no arrays.
+
+    Returns
+    -------
+    distance, x0, x1, x2, n0, n1, n2 : signed distance [m] (negative inside), foot [m], unit normal
+    """
+    shortest = min(r0, r1, r2)
+    q0, q1, q2 = r0 / shortest, r1 / shortest, r2 / shortest
+    e0 = (r0 - shortest) / shortest * (q0 + 1.0)
+    e1 = (r1 - shortest) / shortest * (q1 + 1.0)
+    e2 = (r2 - shortest) / shortest * (q2 + 1.0)
+    z0, z1, z2 = abs(y0) / r0, abs(y1) / r1, abs(y2) / r2
+    # below this an offset from the symmetry plane would only underflow
+    plane = 1e-150
+    u0, u1, u2 = 0.0, 0.0, 0.0
+    # on the level of the symmetry plane, w -> 0: no term of the shortest axes
+    in_plane = (e0 > 0.0 or z0 < plane) and (e1 > 0.0 or z1 < plane) and (e2 > 0.0 or z2 < plane)
+    if in_plane:
+        u0 = (z0 + e0 * z0) / e0 if e0 > 0.0 else 0.0
+        u1 = (z1 + e1 * z1) / e1 if e1 > 0.0 else 0.0
+        u2 = (z2 + e2 * z2) / e2 if e2 > 0.0 else 0.0
+    rest = 1.0 - (u0 * u0 + u1 * u1 + u2 * u2)
+    w = 0.0
+    if in_plane and rest >= 0.0:
+        if e2 == 0.0:
+            u2 = np.sqrt(rest)
+        elif e1 == 0.0:
+            u1 = np.sqrt(rest)
+        else:
+            u0 = np.sqrt(rest)
+    else:
+        w = _root(z0, z1, z2, e0, e1, e2)
+        u0 = (z0 + e0 * z0) / (w + e0) if z0 > 0.0 else 0.0
+        u1 = (z1 + e1 * z1) / (w + e1) if z1 > 0.0 else 0.0
+        u2 = (z2 + e2 * z2) / (w + e2) if z2 > 0.0 else 0.0
+    u0 = -u0 if y0 < 0.0 else u0
+    u1 = -u1 if y1 < 0.0 else u1
+    u2 = -u2 if y2 < 0.0 else u2
+    g0, g1, g2 = u0 / q0, u1 / q1, u2 / q2
+    gradient = np.sqrt(g0 * g0 + g1 * g1 + g2 * g2)
+    # y - x = (w - 1) r_min g: no difference of nearby points
+    return (
+        (w - 1.0) * shortest * gradient,
+        u0 * r0,
+        u1 * r1,
+        u2 * r2,
+        g0 / gradient,
+        g1 / gradient,
+        g2 / gradient,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def closest_point(y, radii, foot, normal):
+    """Closest point of the surface of one ellipsoid to a point.
+
+    Parameters
+    ----------
+    y : (3,) float, point in the axes of the ellipsoid [m]
+    radii : (3,) float, semi-axes [m]
+    foot, normal : (3,) float, filled: the foot [m], the unit outward normal there
+
+    Returns
+    -------
+    signed distance [m], negative inside
+    """
+    distance, foot[0], foot[1], foot[2], normal[0], normal[1], normal[2] = foot_and_normal(
+        y[0], y[1], y[2], radii[0], radii[1], radii[2]
+    )
+    return distance
+
+
+@njit(cache=True, error_model="numpy")
+def _closest_points(points, radii, feet, normals, distances):
+    for i in range(len(points)):
+        distances[i] = closest_point(points[i], radii, feet[i], normals[i])
+
+
+def closest_points(points, radii, centre=(0.0, 0.0, 0.0), axes=None):
+    """Closest points of the surface of one ellipsoid to many points.
+
+    Parameters
+    ----------
+    points : (n, 3) float [m]
+    radii : (3,) float, semi-axes [m]
+    centre : (3,) float [m]
+    axes : (3, 3) float or None, rows are the unit axes; None: the world's
+
+    Returns
+    -------
+    feet (n, 3) [m], normals (n, 3) unit and outward, distances (n,) [m], negative inside
+    """
+    radii, centre = np.asarray(radii, float), np.asarray(centre, float)
+    axes = np.eye(3) if axes is None else np.asarray(axes, float)
+    local = np.ascontiguousarray((np.atleast_2d(np.asarray(points, float)) - centre) @ axes.T)
+    feet, normals, distances = np.empty_like(local), np.empty_like(local), np.empty(len(local))
+    _closest_points(local, radii, feet, normals, distances)
+    return feet @ axes + centre, normals @ axes, distances

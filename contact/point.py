@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Contact of one point with the body over one step: normal pushes, friction, what is booked.
+
+The planes of planes.py bound the step, wedge.py corrects it along their normals, friction.py says
+how much of the slip that is left is taken as well. Lengths become impulses by mass / dt.
+
+A row of the book holds for one segment, all as acting on the cloth: impulse (3) [N s], its moment
+about the segment's centre at t (3) [N m s], work done by the moving segment, friction loss, impact
+loss [J].
+"""
+
+import numpy as np
+from numba import njit
+
+from contact.friction import transmitted
+from contact.planes import find_planes, keep_one_exit
+from contact.wedge import EJECTION, PINCHED, nearest_step
+
+RUBS = 12  # passes of friction where several bodies hold a point
+WORK, FRICTION, IMPACT, BOOKED = 6, 7, 8, 9
+EVALUATED, ACTIVE, PINCHES, STICKING, COUNTS = 0, 1, 2, 3, 4
+
+
+@njit(cache=True, error_model="numpy")
+def _rub(free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved, step):
+    """Friction on all planes that push; `step` is updated. Returns planes pushing, all stick.
+
+    Friction works on the slip that is left: planes share it by their push, so a groove of two
+    equal sides holds with the sum of both. Friction on one plane may press the point against
+    another: normals and friction are repeated in turn.
+    """
+    stick = True
+    for _ in range(RUBS):
+        total = 0.0
+        for k in range(count):
+            total += planes[k].push
+        for c in range(3):
+            moved[c] = free[c]
+        change, stick = 0.0, True
+        for k in range(count):
+            n, u, rub, push = planes[k].normal, planes[k].drift, planes[k].rub, planes[k].push
+            if push <= 0.0:
+                for c in range(3):
+                    rub[c] = 0.0
+                continue
+            along = 0.0
+            for c in range(3):
+                along += (step[c] - u[c]) * n[c]
+            size, share = 0.0, push / total
+            for c in range(3):
+                trial = rub[c] - share * (step[c] - u[c] - along * n[c])
+                size += trial * trial
+            size = np.sqrt(size)
+            fraction = transmitted(inertia * push, inertia * size, mu_s, mu_k)
+            stick = stick and fraction == 1.0
+            for c in range(3):
+                trial = rub[c] - share * (step[c] - u[c] - along * n[c])
+                change = max(change, abs(fraction * trial - rub[c]))
+                rub[c] = fraction * trial
+                moved[c] += rub[c]
+        if pushing == PINCHED:
+            for k in range(count):
+                for c in range(3):
+                    moved[c] += planes[k].push * planes[k].normal[c]
+            for c in range(3):
+                step[c] = moved[c]
+            break
+        alone = pushing == 1
+        pushing = nearest_step(moved, planes, count, first, slack, step)
+        if (alone and pushing == 1) or change <= slack:
+            break
+    return pushing, stick
+
+
+@njit(cache=True, error_model="numpy")
+def meet_body(x, v, kick, mass, dt, law, last, travel, planes, room, book, counts, change):
+    """Contact of one point over one step.
+
+    Parameters
+    ----------
+    x, v : (3,) float, position at t [m], velocity before contact [m/s]
+    kick : (3,) float, change of velocity by the forces of this step [m/s]
+    mass : float, effective mass [kg]
+    law : mu_s, mu_k, offset [m], recovery [m/s]
+    last : int, segment of the last step or -1
+    room : (4, 3) float, scratch
+    book : (m, 9) float, added to; counts : (4,) int, added to
+    change : (3,) float, filled: change of velocity [m/s]
+
+    Returns
+    -------
+    segment (-1: no contact), depth at the start [m]
+    """
+    mu_s, mu_k, offset, recovery = law
+    free, step, moved, at = room[0], room[1], room[2], room[3]
+    for c in range(3):
+        free[c] = step[c] = dt * v[c]
+        at[c] = 0.0
+    count, pushing, first, slack, depth, tau = 0, 0, -1, 0.0, 0.0, 0.0
+    while True:
+        found, tau, evaluated = find_planes(
+            x, at, tau, step, travel, offset, recovery * dt, count, planes
+        )
+        counts[EVALUATED] += evaluated
+        if found == count:
+            break
+        inside = 0
+        for k in range(count, found):
+            depth = max(depth, planes[k].depth)
+            slack = max(slack, travel[planes[k].owner].slack)
+            inside += planes[k].depth > recovery * dt
+        if inside > 1:
+            found = keep_one_exit(x, travel, offset, recovery * dt, last, found, planes)
+        count, first = found, -1
+        for k in range(count):
+            if planes[k].owner == last:
+                first = k
+        pushing = nearest_step(free, planes, count, first, slack, step)
+        if inside > 1 or pushing == PINCHED:
+            break
+    if pushing == 0:
+        return -1, depth
+    if pushing != 1 and depth > slack:
+        # where several bodies hold the point, the way out may be EJECTION times the overlap
+        least = recovery * dt / EJECTION
+        for k in range(count):
+            within = min(planes[k].depth, recovery * dt)
+            planes[k].bound -= max(0.0, within - least)
+        pushing = nearest_step(free, planes, count, first, slack, step)
+    stick = False
+    if mu_s > 0.0:
+        pushing, stick = _rub(
+            free, planes, count, first, pushing, slack, mu_s, mu_k, mass / dt, moved, step
+        )
+    if pushing == PINCHED:
+        counts[PINCHES] += 1
+
+    for c in range(3):
+        change[c] = 0.0
+        for k in range(count):
+            change[c] += (planes[k].push * planes[k].normal[c] + planes[k].rub[c]) / dt
+    segment, greatest = -1, 0.0
+    for k in range(count):
+        push, b = planes[k].push, planes[k].owner
+        if push > greatest:
+            segment, greatest = b, push
+        work = pressed = rubbed = 0.0
+        for c in range(3):
+            surface = planes[k].drift[c] / dt
+            slip = v[c] + 0.5 * (change[c] - kick[c]) - surface
+            normal, friction = mass / dt * push * planes[k].normal[c], mass / dt * planes[k].rub[c]
+            moved[c] = normal + friction
+            work += moved[c] * surface
+            pressed -= normal * slip
+            rubbed -= friction * slip
+        centre = travel[b].centre
+        for c in range(3):
+            d, e = (c + 1) % 3, (c + 2) % 3
+            book[b, c] += moved[c]
+            book[b, 3 + c] += (x[d] - centre[d]) * moved[e] - (x[e] - centre[e]) * moved[d]
+        book[b, WORK] += work
+        book[b, FRICTION] += rubbed
+        book[b, IMPACT] += pressed
+    if segment < 0:  # pinched, and on the near side of the segment that holds it
+        return last, depth
+    counts[ACTIVE] += 1
+    counts[STICKING] += stick
+    return segment, depth
+
+
+class Ledger:
+    """What contact did to n nodes and m segments, as acting on the cloth.
+
+    Attributes
+    ----------
+    impulse : (n, 3) float, on every node [N s]
+    segment_impulse : (m, 3) float, by every segment [N s]
+    segment_moment : (m, 3) float, about the segment's centre at the start of each step [N m s]
+    work : (m,) float, work of the segment's motion on the cloth [J]
+    friction_loss, impact_loss : (m,) float, energy taken by friction and by normal impulses [J];
+        the latter is negative where a point that starts inside is moved out
+    seconds : float, time covered [s]
+    """
+
+    def __init__(self, n, m):
+        self.impulse, self.table, self.seconds = np.zeros((n, 3)), np.zeros((m, BOOKED)), 0.0
+        self.segment_impulse, self.segment_moment = self.table[:, :3], self.table[:, 3:6]
+        self.work = self.table[:, WORK]
+        self.friction_loss, self.impact_loss = self.table[:, FRICTION], self.table[:, IMPACT]
+
+    def clear(self):
+        """Set everything to zero."""
+        self.impulse[:] = 0.0
+        self.table[:] = 0.0
+        self.seconds = 0.0
