@@ -7,7 +7,8 @@ export OMP_NUM_THREADS := 1
 # Containers run as root; Open MPI asks twice.
 export OMPI_ALLOW_RUN_AS_ROOT := 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
-# Ranks may outnumber the cores, and share them with other programs.
+# Ranks may outnumber the cores, and share them with other programs: who waits steps aside.
+export OMPI_MCA_mpi_yield_when_idle := 1
 MPIRUN := mpirun --oversubscribe --bind-to none
 
 # mpirun gives its ranks a terminal even where there is none.

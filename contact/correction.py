@@ -27,7 +27,7 @@ from contact.travel import TRAVEL, in_reach, set_travel
 @njit(cache=True, error_model="numpy")
 def _correct(
     x, v, old, mass, fixed, dt, law, start, start_axes, end, end_axes, radii, travel, planes, room,
-    samples, weights, segment, sample_segment, impulse, book, window, window_book, counts,
+    forced, samples, weights, segment, sample_segment, impulse, book, window, window_book, counts,
 ):  # fmt: skip
     """One step of contact for all nodes, then for all samples; returns node + 1 if not finite."""
     set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
@@ -71,8 +71,9 @@ def _correct(
                 for c in range(3):
                     p[c] += w * x[i, c]
                     u[c] += w * v[i, c]
-                    booked = 0.0 if fixed[i] else impulse[i, c] / mass[i]
-                    kick[c] += w * (v[i, c] - booked - old[i, c])
+                    if forced:
+                        booked = 0.0 if fixed[i] else impulse[i, c] / mass[i]
+                        kick[c] += w * (v[i, c] - booked - old[i, c])
             if inverse == 0.0:
                 continue
             segment_s, depth = meet_body(
@@ -180,7 +181,7 @@ class Correction:
         bad, self.max_depth = _correct(
             x, v, v if v_old is None else v_old, mass, self.fixed, dt, self._law,
             self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
-            *self._scratch, self._cells, self._weights, self.segment,
+            *self._scratch, v_old is not None, self._cells, self._weights, self.segment,
             self._sample_segment, last.impulse, last.table, window.impulse, window.table,
             self._counts,
         )  # fmt: skip

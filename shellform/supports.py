@@ -106,6 +106,8 @@ class Supports:
         director : callable(level) -> (3,) or (k, 3) unit vectors, or None (stays)
         """
         self._check_open()
+        if displacement is None and director is None:
+            raise ValueError("move needs a displacement, a director, or both")
         partition = self.partition
         nodes = partition.find(where)
         rows = np.flatnonzero(partition._local[nodes] >= 0)

@@ -211,6 +211,23 @@ def test_impact_never_tunnels_and_never_gains_energy(speed, mu):
             assert 20 < touched.sum() < len(x)
 
 
+def test_any_fast_path_among_several_bodies_ends_outside_with_no_more_energy():
+    """Steps up to three limbs long in all directions: into one, off it into the next."""
+    rng = np.random.default_rng(9)
+    body, dt = limbs(rng, 8, moving=False), 1e-3
+    x = outside(body, 0, rng, 3000, 0.05)
+    free = 300 * rng.uniform(0, 1, (len(x), 1)) * rng.standard_normal(x.shape)
+    for mu in (0.0, 0.3):
+        v = free.copy()
+        correction = Correction(body, len(x), mu)
+        correction(x, v, np.ones(len(x)), dt, 0.0)
+        assert correction.active > 500
+        growth = np.sum(v * v, axis=1) - np.sum(free**2, axis=1)
+        assert growth.max() < 1e-10 * 300**2
+        gap = clearance(body, 0, x + dt * v).min(axis=0)
+        assert (gap < -1e-9).sum() <= correction.pinched
+
+
 def test_at_300_metres_a_second_the_entry_stops_the_node():
     """Straight down on a sphere: the node stays at the pole, its impulse is its momentum."""
     body, dt, mass = spheres((0, 0, 0)), 1e-3, np.array([2e-3])
@@ -719,7 +736,8 @@ def test_samples_hold_a_cell_between_its_nodes():
     assert x[:, 2] == pytest.approx(np.full(4, 0.1), abs=1e-9) and (correction.segment == -1).all()
 
 
-def test_samples_close_all_balances():
+@pytest.mark.parametrize("with_old", [False, True])
+def test_samples_close_all_balances(with_old):
     rng = np.random.default_rng(8)
     body, dt, t = limbs(rng), 2e-3, 0.1
     near = outside(body, t, rng, 60, 2e-3)
@@ -728,10 +746,10 @@ def test_samples_close_all_balances():
     weights = np.array([[0.25] * 4, [0.5, 0.5, 0, 0], [0.1, 0.2, 0.3, 0.4]])
     mass, fixed = rng.uniform(1e-3, 1e-2, 240), rng.uniform(size=240) < 0.1
     old = rng.standard_normal(x.shape)
-    free = old + 0.1 * rng.standard_normal(x.shape)
+    free = old + 0.1 * rng.standard_normal(x.shape) if with_old else old
     v = free.copy()
     correction = Correction(body, 240, 0.4, fixed=fixed, samples=(cells, weights))
-    correction(x, v, mass, dt, t, old)
+    correction(x, v, mass, dt, t, old if with_old else None)
     assert correction.active > (correction.segment >= 0).sum() > 20
     change = np.where(fixed[:, None], 0, mass[:, None] * (v - free))
     impulse, book = correction.last.impulse, correction.last
