@@ -15,7 +15,7 @@ MPIRUN := mpirun --oversubscribe --bind-to none
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup roll-up test lint clean
+.PHONY: help setup roll-up drape test lint clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -25,6 +25,9 @@ setup: ## install what is missing (Debian 12), make .venv
 
 roll-up: setup ## roll a strip up into a circle by an end moment; result in out/roll_up
 	$(PYTHON) demos/roll_up.py --out out/roll_up
+
+drape: setup ## drape a square of cloth, held at a corner, over a sphere; result in out/drape
+	$(PYTHON) demos/drape.py --out out/drape
 
 test: setup ## all tests on 1 rank, then on 2
 	@status=0; \

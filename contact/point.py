@@ -69,6 +69,11 @@ def _rub(free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved,
         pushing = nearest_step(moved, planes, count, first, slack, step)
         if (alone and pushing == 1) or change <= slack:
             break
+    if pushing == 0:  # friction alone would lift the point off: leave it out
+        for k in range(count):
+            for c in range(3):
+                planes[k].rub[c] = 0.0
+        pushing, stick = nearest_step(free, planes, count, first, slack, step), False
     return pushing, stick
 
 
@@ -97,6 +102,7 @@ def meet_body(x, v, kick, mass, dt, law, last, travel, planes, room, book, count
         free[c] = step[c] = dt * v[c]
         at[c] = 0.0
     count, pushing, first, slack, depth, tau = 0, 0, -1, 0.0, 0.0, 0.0
+    stick = False
     while True:
         found, tau, evaluated = find_planes(
             x, at, tau, step, travel, offset, recovery * dt, count, planes
@@ -115,23 +121,24 @@ def meet_body(x, v, kick, mass, dt, law, last, travel, planes, room, book, count
         for k in range(count):
             if planes[k].owner == last:
                 first = k
+            for c in range(3):
+                planes[k].rub[c] = 0.0
         pushing = nearest_step(free, planes, count, first, slack, step)
+        if pushing != 0 and pushing != 1 and depth > slack:
+            # where several bodies hold the point, the way out may be EJECTION times the overlap
+            least = recovery * dt / EJECTION
+            for k in range(count):
+                planes[k].bound -= max(0.0, min(planes[k].depth, recovery * dt) - least)
+                planes[k].depth = min(planes[k].depth, least)
+            pushing = nearest_step(free, planes, count, first, slack, step)
+        if pushing != 0 and mu_s > 0.0:
+            pushing, stick = _rub(
+                free, planes, count, first, pushing, slack, mu_s, mu_k, mass / dt, moved, step
+            )
         if inside > 1 or pushing == PINCHED:
             break
     if pushing == 0:
         return -1, depth
-    if pushing != 1 and depth > slack:
-        # where several bodies hold the point, the way out may be EJECTION times the overlap
-        least = recovery * dt / EJECTION
-        for k in range(count):
-            within = min(planes[k].depth, recovery * dt)
-            planes[k].bound -= max(0.0, within - least)
-        pushing = nearest_step(free, planes, count, first, slack, step)
-    stick = False
-    if mu_s > 0.0:
-        pushing, stick = _rub(
-            free, planes, count, first, pushing, slack, mu_s, mu_k, mass / dt, moved, step
-        )
     if pushing == PINCHED:
         counts[PINCHES] += 1
 

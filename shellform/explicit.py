@@ -15,7 +15,7 @@ compiled = numba.njit(cache=True, error_model="numpy")
 
 
 @compiled
-def kick(v, q, r, force, d, mass, inertia, drag, dt):
+def kick(v, q, r, force, d, mass, inertia, drag, dt, slowed):
     """Add the impulse of internal and external forces over dt to the velocities.
 
     Parameters
@@ -25,6 +25,7 @@ def kick(v, q, r, force, d, mass, inertia, drag, dt):
     d : (n, 3), directors; mass, inertia : (n,) [kg, kg m^2]
     drag : float [1/s], decay rate of the velocities relative to still air
     dt : float [s]
+    slowed : (3,), impulse of the drag on the nodes [N s], added to
 
     Returns
     -------
@@ -43,6 +44,7 @@ def kick(v, q, r, force, d, mass, inertia, drag, dt):
             inner -= r[i, k] * mean
             outer += force[i, k] * mean
             lost += drag * mass[i] * mean * 0.5 * (old + new)
+            slowed[k] -= drag * mass[i] * mean
             turn = r[i, 3 + k] - rd * d[i, k]
             old = q[i, k]
             new = keep * old - gain * turn / inertia[i]

@@ -36,6 +36,8 @@ class Newmark(Stepper):
     ----------
     v, q : velocities at the last half step
     work : dict of sums [J]: internal, external, drag
+    external_total, support_total, drag_total : (3,) float, impulses of loads, supports and drag on
+        the owned nodes so far [N s]
     critical_dt : float [s], largest stable step when last looked at
     """
 
@@ -61,6 +63,8 @@ class Newmark(Stepper):
         shell.loads.force_at(0.0, self.force, default=1.0)
         self._set_supports()
         self.support_impulse = np.zeros((n, 3))
+        self.support_total, self.external_total = np.zeros(3), np.zeros(3)
+        self.drag_total = np.zeros(3)
         self._last_dt = 0.0
         self.work = {"internal": 0.0, "external": 0.0, "drag": 0.0}
         self._cell = shell.surface.mean_cell_size
@@ -79,6 +83,8 @@ class Newmark(Stepper):
 
     def step(self, dt):
         """One step of length dt [s]."""
+        if self.v_old is not None:
+            np.copyto(self.v_old, self.v)
         self.kick(0.5 * (self._last_dt + dt))
         for hook in self.hooks:
             hook(self, dt)
@@ -99,16 +105,19 @@ class Newmark(Stepper):
         r = self.internal_force()
         self._update_loads()
         inner, outer, lost = explicit.kick(
-            self.v, self.q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag, dt
+            self.v, self.q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag,
+            dt, self.drag_total,
         )  # fmt: skip
         self.work["internal"] += inner
         self.work["external"] += outer
         self.work["drag"] += lost
+        self.external_total += dt * self.force.sum(axis=0)
         if self._supported:
             explicit.support(
                 self.v, self.q, self.owned[:, 3:], self._held, self._plane, self.mass,
                 self.support_impulse,
             )  # fmt: skip
+            self.support_total += self.support_impulse.sum(axis=0)
 
     def _update_loads(self):
         if not self._steady:
@@ -135,7 +144,16 @@ class Newmark(Stepper):
         self._update_loads()
         half = 0.5 * self._last_dt
         explicit.kick(
-            v, q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag, half
+            v,
+            q,
+            r,
+            self.force,
+            self.owned[:, 3:],
+            self.mass,
+            self.inertia,
+            self.drag,
+            half,
+            np.zeros(3),
         )
         if self._supported:
             booked = np.empty_like(v)

@@ -71,8 +71,9 @@ def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
     Parameters
     ----------
     axes : matplotlib axes
-    surfaces : list of (facets (m, k, 3), sides (s, 2, 3) or None, front colour, back colour)
-        A facet shows its front colour where its normal looks at the eye.
+    surfaces : list of (facets (m, k, 3), sides (s, 2, 3) or None, front colour, back colour, back)
+        A facet shows its front colour where its normal looks at the eye. `back` [m] moves a surface
+        away from the eye when it is decided what hides what, as for a body under a cloth.
     azimuth, elevation : float, degrees
     """
     from matplotlib.collections import PolyCollection
@@ -81,7 +82,7 @@ def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
     view = view_axes(azimuth, elevation)
     light = view.T @ np.array([-0.3, 0.5, 0.8]) / np.linalg.norm([-0.3, 0.5, 0.8])
     polygons, faces, edges, depths = [], [], [], []
-    for facets, sides, front, back in surfaces:
+    for facets, sides, front, back, away in surfaces:
         normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, -1] - facets[:, 0])
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         shade = 0.5 + 0.5 * np.abs(normal @ light)
@@ -92,7 +93,7 @@ def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
         polygons.extend(seen[:, :, :2])
         faces.append(colour)
         edges.append(colour)
-        depths.append(seen[:, :, 2].mean(axis=1))
+        depths.append(seen[:, :, 2].mean(axis=1) - away)
         if sides is not None:
             seen = sides @ view.T
             polygons.extend(seen[:, :, :2])
@@ -133,7 +134,7 @@ def roll_up_picture(path, frames, exact, title):
     spacing = np.array([0.0, 5 * width, 0.0])
     for i, (label, points, directors, cells) in enumerate(frames):
         facets, sides = facets_and_sides(points + i * spacing, directors, cells)
-        strips.append((facets, sides, CLOTH, BACK))
+        strips.append((facets, sides, CLOTH, BACK, 0.0))
         root = points[0] + i * spacing - [0.4 * width, 0, 0]
         above.text(root @ right, root @ up, label, ha="right", va="center", fontsize=9)
     draw_surfaces(above, strips, *view)
@@ -149,15 +150,16 @@ def roll_up_picture(path, frames, exact, title):
     save_figure(figure, path)
 
 
-def new_figure(rows, size, title, **layout):
-    """Figure without a window, and its axes one above the other."""
+def new_figure(rows, size, title, columns=1, dpi=130, **layout):
+    """Figure without a window, and its axes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, dpi=130, layout="constrained")
+    figure = Figure(figsize=size, dpi=dpi, layout="constrained")
     FigureCanvasAgg(figure)
-    figure.suptitle(title, fontsize=11)
-    return figure, figure.subplots(rows, 1, gridspec_kw=layout)
+    if title:
+        figure.suptitle(title, fontsize=11)
+    return figure, figure.subplots(rows, columns, gridspec_kw=layout)
 
 
 def save_figure(figure, path):
@@ -165,4 +167,72 @@ def save_figure(figure, path):
     path = Path(path)
     part = path.with_name(path.name + ".part")
     figure.savefig(part, format="png")
+    os.replace(part, path)
+
+
+def ellipsoid_facets(centre, axes, radii, parts=32):
+    """Facets (m, 4, 3) of an ellipsoid; axes are rows."""
+    polar = np.linspace(0, np.pi, parts // 2 + 1)[:, None]
+    around = np.linspace(0, 2 * np.pi, parts + 1)[None, :]
+    unit = np.stack(
+        [
+            np.sin(polar) * np.cos(around),
+            np.sin(polar) * np.sin(around),
+            np.cos(polar) + 0 * around,
+        ],
+        axis=-1,
+    )
+    p = np.asarray(centre) + (unit * radii) @ np.asarray(axes)
+    return np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+
+
+def drape_pictures(folder, frames, cells, body, seconds):
+    """drape.png, the last frame from two sides, and drape.gif, all frames.
+
+    Parameters
+    ----------
+    folder : path; frames : list of (points, directors); cells : (m, 4|9)
+    body : contact.body.Body; seconds : float, between frames
+    """
+    pose = body.new_pose()
+    body.pose(0.0, pose)
+    skin = [
+        ellipsoid_facets(c, a, r)
+        for c, a, r in zip(pose.centres, pose.axes, body.radii, strict=True)
+    ]
+    # a cell of cloth is flat, the body is round: let the cloth win where they are this close
+    away = 0.5 * np.ptp(frames[0][0], axis=0).max() / np.sqrt(len(cells))
+    solids = [(facets, None, "#d8a48f", "#d8a48f", away) for facets in skin]
+    corners = np.concatenate([frames[0][0], frames[-1][0], *(s.reshape(-1, 3) for s in skin)])
+
+    def draw(axes, frame, azimuth, elevation):
+        cloth = facets_and_sides(*frame, cells)
+        draw_surfaces(axes, [(*cloth, CLOTH, BACK, 0.0), *solids], azimuth, elevation)
+        right, up, _ = view_axes(azimuth, elevation)
+        spans = corners @ right, corners @ up
+        axes.set_xlim(spans[0].min() - 0.05, spans[0].max() + 0.05)
+        axes.set_ylim(spans[1].min() - 0.05, spans[1].max() + 0.05)
+
+    figure, (left, right) = new_figure(1, (11, 5.5), "", columns=2)
+    draw(left, frames[-1], -60, 20)
+    draw(right, frames[-1], 30, 35)
+    save_figure(figure, Path(folder) / "drape.png")
+    images = []
+    for frame in frames:
+        figure, axes = new_figure(1, (5, 5), "", dpi=70)
+        draw(axes, frame, -60, 20)
+        figure.canvas.draw()
+        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
+    save_animation(images, Path(folder) / "drape.gif", seconds)
+
+
+def save_animation(images, path, seconds):
+    """Write a GIF atomically; images are (rows, columns, 3) uint8, `seconds` apart."""
+    from PIL import Image
+
+    part = path.with_name(path.name + ".part")
+    first, *rest = [Image.fromarray(image) for image in images]
+    first.save(
+        part, format="GIF", save_all=True, append_images=rest, duration=1000 * seconds, loop=0
+    )
     os.replace(part, path)

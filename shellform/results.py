@@ -50,8 +50,8 @@ class Report:
         self.seconds[source] -= seconds
         self.seconds[target] += seconds
 
-    def describe(self, shell):
-        """Enter sizes and energy terms of a shell."""
+    def describe(self, shell, **plan):
+        """Enter sizes and energy terms of a shell, and what else the plan of a scene says."""
         surface = shell.surface
         held = shell.comm.allreduce(int(shell.supports.held[: shell.partition.n_owned].sum()))
         self.summary |= {
@@ -59,7 +59,7 @@ class Report:
             "nodes": len(surface.points),
             "dofs": 5 * len(surface.points) - held,
         }
-        self.summary["plan"] |= shell.plan()
+        self.summary["plan"] |= shell.plan() | plan
 
     def write(self, results, **entries):
         """Write summary.json with the results of the run."""

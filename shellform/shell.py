@@ -143,7 +143,6 @@ class Shell:
         return {
             "element": f"{self.surface.kind} of degree {self.surface.degree}",
             "terms": [f"{term.name} at {term.rule}" for term in terms],
-            "inertia": False,
             "loads": {kind: count for kind, count in loads.items() if count},
         }
 

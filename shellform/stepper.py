@@ -32,6 +32,7 @@ class Stepper:
     w : (n_local, 6), (u, d) with ghosts; v, q : (n_owned, 3), velocities of nodes [m/s] and of
         directors [1/s]
     mass, inertia : (n_owned,) [kg, kg m^2]; points : (n_owned, 3), reference positions [m]
+    v_old : (n_owned, 3) or None, node velocities before the last kick
     time, dt : float [s]; steps : int
     """
 
@@ -45,6 +46,7 @@ class Stepper:
         mass, inertia = lumped(shell.surface, shell.fabric, rotary_scale)
         self.mass, self.inertia = mass[partition.owned_nodes], inertia[partition.owned_nodes]
         self.v, self.q = np.zeros((n, 3)), np.zeros((n, 3))
+        self.v_old = None
         self.time, self.steps = 0.0, 0
         self.ts = PETSc.TS().create(shell.comm)
         self.ts.setOptionsPrefix(prefix)
@@ -56,6 +58,11 @@ class Stepper:
         self._ts_vector = shell.w.vector.duplicate()
         self.ts.setSolution(self._ts_vector)
         self.ts.setFromOptions()
+
+    def keep_old_velocities(self):
+        """Keep the velocities of the step before in `v_old`, for hooks that book work."""
+        if self.v_old is None:
+            self.v_old = self.v.copy()
 
     def advance(self, until):
         """Step until a time [s] is reached exactly; the steps left share out the rest evenly."""

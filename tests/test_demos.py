@@ -113,3 +113,42 @@ def test_reading_a_fabric_starts_no_finite_elements():
     )
     done = run("-c", code)
     assert done.stdout.strip() == "[]", done.stderr
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_drape(ranks, tmp_path):
+    """Weight is shared between body and pin; the books close; files are there."""
+    small = ("--cells", 10, "--seconds", 1.5, "--frames", 6, "--window", 0.25, "--drag", 6)
+    done = run("demos/drape.py", *small, "--out", tmp_path, ranks=ranks)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    results = summary["results"]
+    weight = results["weight"]
+    assert weight == pytest.approx(0.2 * 9.81, rel=1e-12)
+    carried = results["contact_force"][2] + results["pin_force"][2]
+    assert carried == pytest.approx(weight, rel=0.02)  # it still swings a little
+    for axis in (0, 1):
+        assert abs(results["contact_force"][axis] + results["pin_force"][axis]) < 0.03 * weight
+    assert results["momentum_residual"] < 1e-10 * weight
+    assert results["max_penetration"] < 1e-9
+    assert summary["plan"]["contact"] == ["body"]
+    assert summary["seconds"]["contact"] > 0
+    header, *rows = (tmp_path / "ledger.csv").read_text().splitlines()
+    assert len(rows) == 6
+    assert {len(row.split(",")) for row in rows} == {len(header.split(","))}
+    assert (tmp_path / "drape.png").read_bytes()[:4] == b"\x89PNG"
+    assert (tmp_path / "drape.gif").read_bytes()[:3] == b"GIF"
+
+
+def test_drape_is_the_same_on_any_number_of_ranks(tmp_path):
+    """Over the first few hundred steps, before a fold may choose its side by roundoff."""
+    heights = []
+    for ranks in (1, 2, 3):
+        out = tmp_path / str(ranks)
+        short = ("--cells", 10, "--seconds", 0.12, "--frames", 2, "--window", 0.06, "--out", out)
+        assert run("demos/drape.py", *short, ranks=ranks).returncode == 0
+        heights.append(json.loads((out / "summary.json").read_text())["results"])
+    for other in heights[1:]:
+        assert other["mean_height"] == pytest.approx(heights[0]["mean_height"], rel=1e-9)
+        assert other["contact_force"] == pytest.approx(heights[0]["contact_force"], rel=1e-7)
+        assert other["free_corner"] == pytest.approx(heights[0]["free_corner"], rel=1e-9)

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+r"""A square of cloth, held at one corner or free, falls onto an ellipsoid: the paper's Fig. 6.
+
+The sheet lies level above the body, its corner at (-size/2, -size/2, 0). It is let go, meets the
+ellipsoid, folds over it and comes to rest. The contact forces are impulses booked in every step;
+averaged over the last part of the run they carry the weight, with the pin and what still moves.
+
+    python demos/drape.py --cells 24 --out out/drape
+    mpirun -n 2 python demos/drape.py --pinned none --friction 0.3
+
+leaves summary.json, ledger.csv, drape.png, drape.gif and a series for ParaView in the folder.
+Default data: E t = 1000 N/m, nu = 0.3, bending of a sheet of 1 mm, 0.2 kg/m2, a sphere of radius
+0.25 m whose top is 0.05 m below the sheet.
+"""
+
+import argparse
+
+from mpi4py import MPI
+
+import numpy as np
+
+import meshes
+from contact.body import Body, Fixed, Segment
+from shellform import Fabric, Shell, command
+from shellform.ledger import Ledger
+from shellform.newmark import Newmark
+from shellform.results import Report, Series
+from shellform.touch import Touch
+
+COMM = MPI.COMM_WORLD
+G = 9.81
+
+
+def arguments(given):
+    parser = argparse.ArgumentParser(
+        allow_abbrev=False,
+        description="Drape a square of cloth over an ellipsoid.",
+        epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
+    )
+    positive = command.positive
+    parser.add_argument("--cells", type=positive(int), help="along a side (default: accuracy)")
+    parser.add_argument("--degree", type=int, choices=(1, 2), default=1, help="of the quads")
+    parser.add_argument("--stepper", choices=("explicit",), default="explicit")
+    parser.add_argument("--model", choices=("shell",), default="shell")
+    parser.add_argument("--radii", type=positive(float), nargs=3, default=[0.25] * 3, help="m")
+    parser.add_argument("--size", type=positive(float), default=1.0, help="side of the sheet, m")
+    parser.add_argument("--pinned", choices=("corner", "none"), default="corner")
+    parser.add_argument("--friction", type=float, default=0.3)
+    parser.add_argument("--seconds", type=positive(float), default=2.0)
+    parser.add_argument("--window", type=positive(float), default=0.2, help="for averages, s")
+    parser.add_argument("--membrane-stiffness", type=positive(float), default=1000.0, help="N/m")
+    parser.add_argument("--bending-stiffness", type=positive(float), default=9.16e-5, help="N m")
+    parser.add_argument("--areal-mass", type=positive(float), default=0.2, help="kg/m2")
+    parser.add_argument("--thickness", type=positive(float), default=1e-3, help="m")
+    parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
+    parser.add_argument("--damping", type=float, default=2e-4, help="stiffness-proportional, s")
+    parser.add_argument("--drag", type=float, default=0.5, help="of still air, 1/s")
+    parser.add_argument("--accuracy", type=command.accuracy, default=0.03, metavar="N%")
+    parser.add_argument("--frames", type=positive(int), default=40)
+    parser.add_argument("--out", default="out/drape", help="folder for results")
+    options = command.parse(parser, given)
+    if options.cells is None:
+        # cells fall with the square root of the error asked for: 16 at 3 %, second order
+        options.cells = max(4, int(np.ceil(16 * np.sqrt(0.03 / options.accuracy))))
+    if options.window > options.seconds:
+        parser.error("--window must not be longer than --seconds")
+    return options
+
+
+def main(given=None):
+    # ## The sheet and the body
+    options = arguments(given)
+    report = Report(options.out, "drape", vars(options), COMM)
+    with report.stage("setup"):
+        size, n = options.size, options.cells
+        square = meshes.rectangle(size, size, (n, n), degree=options.degree)
+        square = square.transform(translation=(-0.5 * size, -0.5 * size, 0.0))
+        nu = 0.3
+        plane = np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+        fabric = Fabric.from_stiffness(
+            options.membrane_stiffness / (1 - nu**2) * plane,
+            options.bending_stiffness * plane,
+            options.areal_mass,
+            options.thickness,
+            name="drape",
+        )
+        shell = Shell(square, fabric, COMM)
+        if options.pinned == "corner":
+            shell.supports.hold(np.array([0]))
+        shell.loads.gravity((0.0, 0.0, -G))
+        centre = np.array([0.0, 0.0, -0.05 - options.radii[2]])
+        body = Body([Segment("body", options.radii, Fixed(centre))])
+        report.describe(
+            shell, inertia="lumped", contact=list(body.names), friction=options.friction
+        )
+
+    # ## Steps
+    with report.stage("compile"):
+        stepper = Newmark(
+            shell, options.time_step_factor, damping=options.damping, drag=options.drag
+        )
+        shell.energy()
+    touch = Touch(stepper, body, options.friction)
+    ledger, series = Ledger(report.folder / "ledger.csv", stepper, touch), Series(options.out)
+    times = np.linspace(0, options.seconds, options.frames + 1)[1:]
+    frames, deepest = [(shell.positions(), shell.directors())], 0.0
+    for time in command.progress(times, len(times), "drape"):
+        with report.stage("solve"):
+            stepper.advance(time)
+        with report.stage("output"):
+            ledger.record()
+            series.write(shell, time)
+            frames.append((shell.positions(), shell.directors()))
+            deepest = max(deepest, COMM.allreduce(touch.correction.max_depth, MPI.MAX))
+
+    report.shift(touch.seconds, "solve", "contact")
+
+    # ## Results
+    #
+    # Forces are means over the window at the end.
+    results = summarise(options, stepper, ledger, frames[-1][0], deepest)
+    if COMM.rank == 0:
+        force, weight = results["contact_force"], results["weight"]
+        print(f"{n} x {n} cells, {stepper.steps} steps of {stepper.dt:.2e} s")
+        print(f"weight {weight:.4f} N, contact {np.round(force, 4)} N, ", end="")
+        print(f"pin {np.round(results['pin_force'], 4)} N over {results['window']:.2f} s")
+        print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
+        print(f"{results['strain_energy']:.3e} J, depth {1e3 * deepest:.4f} mm")
+        with report.stage("output"):
+            from shellform.pictures import drape_pictures
+
+            drape_pictures(report.folder, frames, square.cells, body, times[0])
+    report.write(results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt)
+    if COMM.rank == 0:
+        print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
+
+
+def summarise(options, stepper, ledger, positions, deepest):
+    """The keys of results in summary.json."""
+    rows = ledger.rows
+    count = max(1, round(options.window / options.seconds * len(rows)))
+    late = rows[-count:]
+    before = rows[-count - 1] if count < len(rows) else None
+    window = late[-1]["time"] - (before["time"] if before else 0.0)
+    contact = [np.mean([row[f"force_body_{a}"] for row in late]) for a in "xyz"]
+    pin = [
+        (late[-1][f"support_impulse_{a}"] - (before[f"support_impulse_{a}"] if before else 0.0))
+        / window
+        for a in "xyz"
+    ]
+    shell = stepper.shell
+    mass = COMM.allreduce(stepper.mass.sum())
+    height = COMM.allreduce(stepper.mass @ (stepper.points + stepper.owned[:, :3])[:, 2]) / mass
+    corner = shell.surface.points[:, :2].sum(axis=1).argmax()
+    return {
+        "weight": mass * G,
+        "contact_force": contact,
+        "pin_force": pin,
+        "window": window,
+        "mean_height": height,
+        "free_corner": positions[corner],
+        "strain_energy": late[-1]["strain"],
+        "kinetic_energy": late[-1]["kinetic"],
+        "max_penetration": deepest,
+        "momentum_residual": max(row["momentum_residual"] for row in rows),
+    }
+
+
+if __name__ == "__main__":
+    command.run(main)
