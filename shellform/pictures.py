@@ -186,6 +186,16 @@ def ellipsoid_facets(centre, axes, radii, parts=32):
     return np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]], axis=2).reshape(-1, 4, 3)
 
 
+def ellipsoid_outline(centre, axes, radii, eye, parts=100):
+    """Outline (parts, 3) of an ellipsoid seen along `eye` (3,); axes are rows."""
+    towards = np.asarray(axes) @ eye / radii
+    first = np.cross(towards, np.eye(3)[np.abs(towards).argmin()])
+    first /= np.linalg.norm(first)
+    second = np.cross(towards / np.linalg.norm(towards), first)
+    angle = np.linspace(0, 2 * np.pi, parts)[:, None]
+    return centre + (radii * (np.cos(angle) * first + np.sin(angle) * second)) @ np.asarray(axes)
+
+
 def drape_pictures(folder, frames, cells, body, seconds):
     """drape.png, the last frame from two sides, and drape.gif, all frames.
 
@@ -208,13 +218,16 @@ def drape_pictures(folder, frames, cells, body, seconds):
     def draw(axes, frame, azimuth, elevation):
         cloth = facets_and_sides(*frame, cells)
         draw_surfaces(axes, [(*cloth, CLOTH, BACK, 0.0), *solids], azimuth, elevation)
-        right, up, _ = view_axes(azimuth, elevation)
+        right, up, eye = view_axes(azimuth, elevation)
+        for c, a, r in zip(pose.centres, pose.axes, body.radii, strict=True):
+            rim = ellipsoid_outline(c, a, np.asarray(r), eye)
+            axes.plot(rim @ right, rim @ up, "--", color="#8c4a32", lw=0.7)
         spans = corners @ right, corners @ up
         axes.set_xlim(spans[0].min() - 0.05, spans[0].max() + 0.05)
         axes.set_ylim(spans[1].min() - 0.05, spans[1].max() + 0.05)
 
     figure, (left, right) = new_figure(1, (11, 5.5), "", columns=2)
-    draw(left, frames[-1], -60, 20)
+    draw(left, frames[-1], -60, 8)
     draw(right, frames[-1], 30, 35)
     save_figure(figure, Path(folder) / "drape.png")
     images = []
