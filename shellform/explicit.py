@@ -15,43 +15,61 @@ compiled = numba.njit(cache=True, error_model="numpy")
 
 
 @compiled
-def kick(v, q, r, force, d, mass, inertia, drag, dt, slowed):
+def kick(
+    v, q, r, force, d, held, plane, mass, inertia, drag, dt, impulse, slowed
+):  # fmt: skip
     """Add the impulse of internal and external forces over dt to the velocities.
+
+    Held components keep their velocity; the impulse that takes is the supports'.
 
     Parameters
     ----------
     v, q : (n, 3), velocities of nodes [m/s] and directors [1/s], changed
     r : (n, 6), internal forces [N, N m]; force : (n, 3), external forces [N]
-    d : (n, 3), directors; mass, inertia : (n,) [kg, kg m^2]
+    d : (n, 3), directors
+    held : (n, 4) bool, u_x, u_y, u_z and the whole director
+    plane : (n, 3), normal that a director may not turn towards, zero where none
+    mass, inertia : (n,) [kg, kg m^2]
     drag : float [1/s], decay rate of the velocities relative to still air
     dt : float [s]
+    impulse : (n, 3) [N s], the supports' push on the nodes, overwritten
     slowed : (3,), impulse of the drag on the nodes [N s], added to
 
     Returns
     -------
-    power-like sums over the kick [J]: work of internal forces, of external forces, of drag
+    work over the kick [J] of internal and of external forces, and what drag took
     """
     inner = outer = lost = 0.0
     keep = (1.0 - 0.5 * dt * drag) / (1.0 + 0.5 * dt * drag)
     gain = dt / (1.0 + 0.5 * dt * drag)
     for i in range(v.shape[0]):
-        rd = r[i, 3] * d[i, 0] + r[i, 4] * d[i, 1] + r[i, 5] * d[i, 2]
+        along = r[i, 3] * d[i, 0] + r[i, 4] * d[i, 1] + r[i, 5] * d[i, 2]
+        out = 0.0
+        for k in range(3):
+            out += (r[i, 3 + k] - along * d[i, k]) * plane[i, k]
         for k in range(3):
             old = v[i, k]
-            new = keep * old + gain * (force[i, k] - r[i, k]) / mass[i]
-            v[i, k] = new
-            mean = 0.5 * dt * (old + new)
-            inner -= r[i, k] * mean
-            outer += force[i, k] * mean
-            lost += drag * mass[i] * mean * 0.5 * (old + new)
-            slowed[k] -= drag * mass[i] * mean
-            turn = r[i, 3 + k] - rd * d[i, k]
-            old = q[i, k]
-            new = keep * old - gain * turn / inertia[i]
-            q[i, k] = new
-            mean = 0.5 * dt * (old + new)
-            inner -= turn * mean
-            lost += drag * inertia[i] * mean * 0.5 * (old + new)
+            if held[i, k]:
+                impulse[i, k] = dt * (r[i, k] - force[i, k])
+                inner -= r[i, k] * dt * old
+                outer += force[i, k] * dt * old
+            else:
+                impulse[i, k] = 0.0
+                new = keep * old + gain * (force[i, k] - r[i, k]) / mass[i]
+                v[i, k] = new
+                mean = 0.5 * dt * (old + new)
+                inner -= r[i, k] * mean
+                outer += force[i, k] * mean
+                lost += drag * mass[i] * mean * 0.5 * (old + new)
+                slowed[k] -= drag * mass[i] * mean
+            if not held[i, 3]:
+                turn = r[i, 3 + k] - along * d[i, k] - out * plane[i, k]
+                old = q[i, k]
+                new = keep * old - gain * turn / inertia[i]
+                q[i, k] = new
+                mean = 0.5 * dt * (old + new)
+                inner -= turn * mean
+                lost += drag * inertia[i] * mean * 0.5 * (old + new)
     return inner, outer, lost
 
 
@@ -110,28 +128,3 @@ def momenta(w, points, v, q, mass, inertia, out):
         out[3] += m * (x1 * v[i, 2] - x2 * v[i, 1]) + j * (w[i, 4] * q[i, 2] - w[i, 5] * q[i, 1])
         out[4] += m * (x2 * v[i, 0] - x0 * v[i, 2]) + j * (w[i, 5] * q[i, 0] - w[i, 3] * q[i, 2])
         out[5] += m * (x0 * v[i, 1] - x1 * v[i, 0]) + j * (w[i, 3] * q[i, 1] - w[i, 4] * q[i, 0])
-
-
-@compiled
-def support(v, q, d, held, plane, mass, impulse):
-    """Stop held velocities; book what that takes.
-
-    Parameters
-    ----------
-    v, q : (n, 3), changed; d : (n, 3) directors
-    held : (n, 4) bool, u_x, u_y, u_z and the whole director
-    plane : (n, 3), normal that a director may not turn towards, zero where none
-    mass : (n,) [kg]; impulse : (n, 3) [N s], the supports' push on the nodes, overwritten
-    """
-    for i in range(v.shape[0]):
-        for k in range(3):
-            impulse[i, k] = 0.0
-            if held[i, k]:
-                impulse[i, k] = -mass[i] * v[i, k]
-                v[i, k] = 0.0
-        if held[i, 3]:
-            q[i, 0] = q[i, 1] = q[i, 2] = 0.0
-        else:
-            out = q[i, 0] * plane[i, 0] + q[i, 1] * plane[i, 1] + q[i, 2] * plane[i, 2]
-            for k in range(3):
-                q[i, k] -= out * plane[i, k]

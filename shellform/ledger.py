@@ -39,14 +39,15 @@ class Ledger:
     def record(self):
         """Append a row for the present time and begin a new window of contact; all ranks call."""
         stepper, comm = self.stepper, self.stepper.shell.comm
-        work = comm.allreduce(np.array([stepper.work[k] for k in ("external", "drag")]))
+        kinds = ("external", "support", "drag")
+        work = comm.allreduce(np.array([stepper.work[kind] for kind in kinds]))
         impulses = comm.allreduce(
             np.array([stepper.external_total, stepper.support_total, stepper.drag_total])
         )
         momentum = self._momentum()
         kinetic, strain = self._energies()
         row = {"time": stepper.time, "kinetic": kinetic, "strain": strain}
-        row |= {"external_work": work[0], "drag_loss": work[1]}
+        row |= {"external_work": work[0], "support_work": work[1], "drag_loss": work[2]}
         friction = impact = moved = 0.0
         if self.touch is not None:
             correction = self.touch.correction
@@ -70,7 +71,7 @@ class Ledger:
             row[f"support_impulse_{AXES[k]}"] = impulses[1, k]
         row["momentum_residual"] = float(np.linalg.norm(change))
         gain = kinetic + strain - self._start[1] - self._start[2]
-        row["energy_residual"] = gain - work[0] + work[1] - self._contact_work
+        row["energy_residual"] = gain - work[0] - work[1] + work[2] - self._contact_work
         self.rows.append(row)
         if self._path:
             first = len(self.rows) == 1

@@ -18,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from . import explicit
+from .director import logarithmic_map, tangent_frames
 from .inertia import ROTARY_SCALE
 from .internal_force import InternalForce
 from .stepper import Stepper, Unstable
@@ -35,7 +36,7 @@ class Newmark(Stepper):
     Attributes
     ----------
     v, q : velocities at the last half step
-    work : dict of sums [J]: internal, external, drag
+    work : dict of sums [J]: internal, external, drag (lost), support
     external_total, support_total, drag_total : (3,) float, impulses of loads, supports and drag on
         the owned nodes so far [N s]
     critical_dt : float [s], largest stable step when last looked at
@@ -66,15 +67,18 @@ class Newmark(Stepper):
         self.support_total, self.external_total = np.zeros(3), np.zeros(3)
         self.drag_total = np.zeros(3)
         self._last_dt = 0.0
-        self.work = {"internal": 0.0, "external": 0.0, "drag": 0.0}
+        self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
         self._cell = shell.surface.mean_cell_size
         self.critical_dt = self.find_stable_step()
         self.dt = self.factor * self.critical_dt
 
     def _set_supports(self):
         supports, n = self.shell.supports, self.n_owned
-        if supports.inclined.any():
+        if self.shell.comm.allreduce(bool(supports.inclined.any()), op=MPI.LOR):
             raise ValueError("explicit steps hold displacements along x, y, z only")
+        if supports.steady_goals():
+            raise ValueError("in dynamics a prescribed displacement is a function of time")
+        self._moving = bool(supports.motions)
         held = supports.held[:n]
         plane = np.nan_to_num(supports.plane[:n])
         self._held = np.column_stack([held[:, :3], held[:, 3] & held[:, 4]])
@@ -85,6 +89,7 @@ class Newmark(Stepper):
         """One step of length dt [s]."""
         if self.v_old is not None:
             np.copyto(self.v_old, self.v)
+        self._next = dt
         self.kick(0.5 * (self._last_dt + dt))
         for hook in self.hooks:
             hook(self, dt)
@@ -104,20 +109,38 @@ class Newmark(Stepper):
         """Velocities over dt by the forces at the present configuration, then the supports."""
         r = self.internal_force()
         self._update_loads()
-        inner, outer, lost = explicit.kick(
-            self.v, self.q, r, self.force, self.owned[:, 3:], self.mass, self.inertia, self.drag,
-            dt, self.drag_total,
-        )  # fmt: skip
+        inner, outer, lost = self._kick(self.v, self.q, r, dt, self.support_impulse)
         self.work["internal"] += inner
         self.work["external"] += outer
         self.work["drag"] += lost
         self.external_total += dt * self.force.sum(axis=0)
+        if self._moving:
+            self._follow(self._next)
         if self._supported:
-            explicit.support(
-                self.v, self.q, self.owned[:, 3:], self._held, self._plane, self.mass,
-                self.support_impulse,
-            )  # fmt: skip
             self.support_total += self.support_impulse.sum(axis=0)
+
+    def _kick(self, v, q, r, dt, impulse, slowed=None):
+        return explicit.kick(
+            v, q, r, self.force, self.owned[:, 3:], self._held, self._plane, self.mass,
+            self.inertia, self.drag, dt, impulse, self.drag_total if slowed is None else slowed,
+        )  # fmt: skip
+
+    def _follow(self, dt):
+        """Velocities that bring nodes of prescribed motion where they are due after dt."""
+        for local, u, d in self.shell.supports.prescribed(self.time + dt):
+            mine = local < self.n_owned
+            nodes = local[mine]
+            if u is not None:
+                old = self.v[nodes].copy()
+                self.v[nodes] = (u[mine] - self.owned[nodes, :3]) / dt
+                push = self.support_impulse[nodes] + self.mass[nodes, None] * (self.v[nodes] - old)
+                self.support_impulse[nodes] = push
+                self.work["support"] += 0.5 * np.vdot(push, self.v[nodes] + old)
+            if d is not None:
+                now = self.owned[nodes, 3:]
+                T = tangent_frames(now)
+                turn = logarithmic_map(now, T, d[mine])
+                self.q[nodes] = np.einsum("nij,nj->ni", T, turn) / dt
 
     def _update_loads(self):
         if not self._steady:
@@ -142,22 +165,7 @@ class Newmark(Stepper):
         v, q = self.v.copy(), self.q.copy()
         r = self.internal_force()
         self._update_loads()
-        half = 0.5 * self._last_dt
-        explicit.kick(
-            v,
-            q,
-            r,
-            self.force,
-            self.owned[:, 3:],
-            self.mass,
-            self.inertia,
-            self.drag,
-            half,
-            np.zeros(3),
-        )
-        if self._supported:
-            booked = np.empty_like(v)
-            explicit.support(v, q, self.owned[:, 3:], self._held, self._plane, self.mass, booked)
+        self._kick(v, q, r, 0.5 * self._last_dt, np.empty_like(v), np.zeros(3))
         return v, q
 
     def find_stable_step(self, iterations=30):

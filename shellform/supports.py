@@ -101,8 +101,9 @@ class Supports:
         Parameters
         ----------
         where : as in `Partition.find`
-        displacement : (3,), (k, 3) float or callable(level) returning such [m]
-            An array is reached in proportion to the level. Rows follow the sorted node numbers.
+        displacement : (3,), (k, 3) float or callable(level or time) returning such [m]
+            An array is reached in proportion to the load level: for statics only. Rows follow the
+            sorted node numbers.
         director : callable(level) -> (3,) or (k, 3) unit vectors, or None (stays)
         """
         self._check_open()
@@ -125,7 +126,7 @@ class Supports:
                     f"a prescribed displacement is (3,) or ({len(nodes)}, 3) finite numbers in m, "
                     f"not {goal.tolist()}"
                 )
-            displacement = lambda level: level * goal  # noqa: E731
+            displacement = _Proportional(goal)
         if displacement is not None:
             self.held[local, :3] = True
         if director is not None:
@@ -138,6 +139,10 @@ class Supports:
             u = None if displacement is None else _rows(displacement(level), rows)
             d = None if director is None else _rows(director(level), rows)
             yield local, u, d
+
+    def steady_goals(self):
+        """True if some displacement is given as an array, which says nothing about time."""
+        return any(isinstance(motion[2], _Proportional) for motion in self.motions)
 
     def _check_open(self):
         if self.frozen:
@@ -165,6 +170,16 @@ class Supports:
         basis[: len(rows)] = rows
         self.Q[node], self.inclined[node] = basis, True
         self.held[node, :3] = np.arange(3) < len(rows)
+
+
+class _Proportional:
+    """A displacement reached in proportion to the load level."""
+
+    def __init__(self, goal):
+        self.goal = goal
+
+    def __call__(self, level):
+        return level * self.goal
 
 
 def unit(vector):

@@ -124,6 +124,37 @@ def test_pressure_and_moment_act_in_full():
     assert j == pytest.approx(turned, abs=2e-5 * 10)
 
 
+def test_prescribed_motion_is_followed():
+    """An edge on a circle, its director turned at a rate: there at every output time."""
+    shell = sheet(4)
+
+    def place(t):
+        return np.array([0.02 * np.sin(40 * t), 0.0, 0.02 * (1 - np.cos(40 * t))])
+
+    def facing(t):
+        return np.array([np.sin(5 * t), 0.0, np.cos(5 * t)])
+
+    shell.supports.clamp("left")
+    shell.supports.move("left", place, facing)
+    newmark = Newmark(shell)
+    edge = shell.partition.find("left")
+    for k in range(1, 6):
+        newmark.advance(0.01 * k)
+        assert np.abs(shell.displacements()[edge] - place(newmark.time)).max() < 1e-12
+        assert np.abs(shell.directors()[edge] - facing(newmark.time)).max() < 1e-12
+    # what the edge gave is what the sheet has
+    p = shell.comm.allreduce(newmark.mass @ newmark.v)
+    given = shell.comm.allreduce(newmark.support_total)
+    assert p == pytest.approx(given, abs=1e-13)
+
+
+def test_a_displacement_without_time_is_refused():
+    shell = sheet(2)
+    shell.supports.move("left", (0.0, 0.0, 0.1))
+    with pytest.raises(ValueError, match="function of time"):
+        Newmark(shell)
+
+
 def test_amplitude_is_a_function_of_time():
     shell = sheet(4)
     shell.loads.gravity((0.0, 0.0, -9.81), amplitude=lambda t: 2.0 * t)
