@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The internal force alone, for explicit steps: Eq. 14 without a tangent.
 
-The same strain energy as shell.py, differentiated by UFL, with the exact stress. Everything that
-does not move is packed once; a call copies the nodal field into the cells and runs the kernels.
-It neither allocates nor creates a Vec.
+The same strain energy as shell.py with the exact stress. 4-node quads in their default form go
+through quad_force.py; all else is differentiated by UFL, with everything that does not move packed
+once. A call neither allocates nor creates a Vec.
 """
 
 import numpy as np
@@ -12,6 +12,7 @@ import ufl
 from dolfinx import cpp, fem, la
 from ufl.algorithms import expand_derivatives
 
+from . import quad_force
 from .shell import compiled
 
 # without NaN or infinity assumed away: a step that explodes must be seen to
@@ -36,26 +37,45 @@ class InternalForce:
         self._result = fem.Function(shell.space)
         self.r = self._result.x.array.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
-        v = ufl.TestFunction(shell.space)
-        forms = []
-        for dx, terms in shell.by_rule():
-            work = 0
-            for term in terms:
-                virtual = expand_derivatives(
-                    ufl.derivative(term.strain(shell.configuration(shell.w)), shell.w, v)
-                )
-                work += term.product(shell.strain(term.strain, shell.w), virtual) * dx
-            forms.append(work)
+        self._quads, self._packed = None, []
+        if by_segments(shell):
+            forms, self._quads = [], self._bake()
+        else:
+            forms = self._strain_forms()
         self._pressure = None
         if shell.loads.pressures:
             self._pressure = fem.Constant(shell.mesh, 0.0)
             forms.append(shell.pressure_force(self._pressure))
-        self._forms = compiled([forms], cffi_extra_compile_args=FAST)[0]
+        self._forms = compiled([forms], cffi_extra_compile_args=FAST)[0] if forms else ()
+        if not forms:
+            return
         width = 6 * shell.surface.cells.shape[1]
         dofs = shell.space.dofmap.list.array.reshape(-1, width // 6)
         self._index = (6 * dofs[:, :, None] + np.arange(6)).reshape(-1, width)
         self._cells = np.empty(self._index.shape)
         self._packed = [self._pack(form) for form in self._forms]
+
+    def _strain_forms(self):
+        shell, forms = self.shell, []
+        v = ufl.TestFunction(shell.space)
+        for dx, terms in shell.by_rule():
+            work = 0
+            for term in terms:
+                strain = term.strain(shell.configuration(shell.w))
+                virtual = expand_derivatives(ufl.derivative(strain, shell.w, v))
+                work += term.product(shell.strain(term.strain, shell.w), virtual) * dx
+            forms.append(work)
+        return forms
+
+    def _bake(self):
+        shell, partition = self.shell, self.shell.partition
+        cells = np.ascontiguousarray(shell.space.dofmap.list.array.reshape(-1, 4))
+        points = shell.surface.points[partition.nodes] - partition.origin
+        warp = shell.surface.warp if shell.fabric.directional else None
+        if warp is not None and np.ndim(warp) == 2:
+            warp = warp[np.asarray(shell.mesh.topology.original_cell_index)[: len(cells)]]
+        directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
+        return points, cells, *quad_force.baked(points, directors, cells, warp, shell.fabric)
 
     def _pack(self, form):
         """Constants, coefficients and the columns of the latter that hold w."""
@@ -80,12 +100,21 @@ class InternalForce:
         if self._pressure is not None:
             self._pressure.value = pressure
             self._packed[-1][0][:] = cpp.fem.pack_constants(self._forms[-1])
-        np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         flat = self._result.x.array
         flat[:] = 0.0
+        if self._quads is not None:
+            quad_force.add_force(w.reshape(-1, 6), *self._quads, self.r)
+        if self._forms:
+            np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         for form, (constants, coefficients, columns) in zip(self._forms, self._packed, strict=True):
             columns[:] = self._cells
             cpp.fem.assemble_vector(flat, form, constants, coefficients)
         if self._parallel:
             self._result.x.scatter_reverse(la.ScatterMode.add)
         return self.r
+
+
+def by_segments(shell):
+    """True if quad_force.py knows the element of a shell."""
+    plain = shell.options == {"membrane": "arcs", "curvature": "turning", "thick": False}
+    return plain and shell.surface.cells.shape[1] == 4 and not np.any(shell.fabric.coupling)

@@ -16,6 +16,8 @@ import logging
 
 from mpi4py import MPI
 
+import numpy as np
+
 import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
@@ -106,6 +108,13 @@ class Shell:
         for field in (self.w, self.before):
             field.x.array[:] = self.reference.x.array
         self.step.x.array[:] = 0.0
+
+    def take_directors(self):
+        """Take over the reference directors that supports have put into their planes."""
+        rest, w = (f.x.array.reshape(-1, 6)[:, 3:] for f in (self.reference, self.w))
+        moved = np.any(rest != self.partition.directors, axis=1) & np.all(w == rest, axis=1)
+        w[moved] = self.partition.directors[moved]
+        rest[:] = self.partition.directors
 
     def forms(self):
         """Compiled (internal force, tangent) pairs, one per rule; compiled when first needed."""

@@ -40,6 +40,8 @@ class Stepper:
         self.shell, self.hooks = shell, list(hooks)
         partition, n = shell.partition, shell.partition.n_owned
         self.n_owned = n
+        shell.supports.frozen = True
+        shell.take_directors()
         self.w = shell.w.x.array.reshape(-1, 6)
         self.owned = self.w[:n]
         self.points = partition.surface.points[partition.owned_nodes]
