@@ -121,7 +121,11 @@ def main(given=None):
     results = summarise(options, stepper, ledger, frames[-1][0], deepest)
     if COMM.rank == 0:
         force, weight = results["contact_force"], results["weight"]
-        print(f"{n} x {n} cells, {stepper.steps} steps of {stepper.dt:.2e} s")
+        cost = 1e6 * report.seconds["solve"] + 1e6 * report.seconds["contact"]
+        cost /= stepper.steps * len(square.points)
+        results["microseconds_per_node_and_step"] = cost
+        print(f"{n} x {n} cells, {stepper.steps} steps of {stepper.dt:.2e} s, ", end="")
+        print(f"{cost:.2f} microseconds a node and step")
         print(f"weight {weight:.4f} N, contact {np.round(force, 4)} N, ", end="")
         print(f"pin {np.round(results['pin_force'], 4)} N over {results['window']:.2f} s")
         print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
