@@ -39,7 +39,7 @@ class Newmark(Stepper):
     work : dict of sums [J]: internal, external, drag (lost), support
     external_total, support_total, drag_total : (3,) float, impulses of loads, supports and drag on
         the owned nodes so far [N s]
-    critical_dt : float [s], largest stable step when last looked at
+    critical_dt, last_dt : float [s], largest stable step when last looked at; the last step taken
     """
 
     recheck = 500  # steps between looks at the stable step
@@ -66,7 +66,7 @@ class Newmark(Stepper):
         self.support_impulse = np.zeros((n, 3))
         self.support_total, self.external_total = np.zeros(3), np.zeros(3)
         self.drag_total = np.zeros(3)
-        self._last_dt = 0.0
+        self.last_dt = 0.0
         self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
         self._cell = shell.surface.mean_cell_size
         self.critical_dt = self.find_stable_step()
@@ -90,12 +90,12 @@ class Newmark(Stepper):
         if self.v_old is not None:
             np.copyto(self.v_old, self.v)
         self._next = dt
-        self.kick(0.5 * (self._last_dt + dt))
+        self.kick(0.5 * (self.last_dt + dt))
         for hook in self.hooks:
             hook(self, dt)
         total = explicit.drift(self.owned, self.v, self.q, dt)
         self.scatter()
-        self._last_dt, self.time, self.steps = dt, self.time + dt, self.steps + 1
+        self.last_dt, self.time, self.steps = dt, self.time + dt, self.steps + 1
         self.check_finite(total, dt)
         if self.steps % self.recheck == 0:
             self.check_step()
@@ -165,7 +165,7 @@ class Newmark(Stepper):
         v, q = self.v.copy(), self.q.copy()
         r = self.internal_force()
         self._update_loads()
-        self._kick(v, q, r, 0.5 * self._last_dt, np.empty_like(v), np.zeros(3))
+        self._kick(v, q, r, 0.5 * self.last_dt, np.empty_like(v), np.zeros(3))
         return v, q
 
     def find_stable_step(self, iterations=30):
