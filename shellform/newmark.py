@@ -17,6 +17,8 @@ from mpi4py import MPI
 
 import numpy as np
 
+from dolfinx import fem
+
 from . import explicit
 from .director import logarithmic_map, tangent_frames
 from .inertia import ROTARY_SCALE
@@ -57,7 +59,8 @@ class Newmark(Stepper):
         super().__init__(shell, hooks, rotary_scale, prefix)
         self.damping, self.drag, self.factor = damping, drag, time_step_factor
         n = self.n_owned
-        self._ahead = self.w if not damping else self.w.copy()
+        self._field = shell.w if not damping else fem.Function(shell.space)
+        self._ahead = self._field.x.array.reshape(-1, 6)
         self.internal = InternalForce(shell)
         self.force = np.zeros((n, 3))
         self._steady = shell.loads.steady()
@@ -151,7 +154,7 @@ class Newmark(Stepper):
         """Internal forces (n_owned, 6) [N, N m], damped, less pressure and moments, at present."""
         if self.damping:
             explicit.ahead(self.owned, self.v, self.q, self.damping, self._ahead[: self.n_owned])
-            self.scatter(self._ahead)
+            self.scatter(self._field)
         loads = self.shell.loads
         pressure = loads.pressure_at(self.time, 1.0) if loads.pressures else 0.0
         r = self.internal(self._ahead, pressure)[: self.n_owned]

@@ -104,16 +104,9 @@ class Stepper:
         )
 
     def scatter(self, field=None):
-        """Bring ghosts of w, or of an array like it, up to date."""
-        if self.shell.comm.size == 1:
-            return
-        if field is None:
-            self.shell.w.x.scatter_forward()
-            return
-        carrier = self.shell.before.x
-        carrier.array[:] = field.ravel()
-        carrier.scatter_forward()
-        field[:] = carrier.array.reshape(-1, 6)
+        """Bring ghosts of w, or of another Function, up to date."""
+        if self.shell.comm.size > 1:
+            (field or self.shell.w).x.scatter_forward()
 
 
 class _Context:
