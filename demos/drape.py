@@ -8,7 +8,8 @@ averaged over the last part of the run they carry the weight, with the pin and w
     python demos/drape.py --cells 24 --out out/drape
     mpirun -n 2 python demos/drape.py --pinned none --friction 0.3
 
-leaves summary.json, ledger.csv, drape.png, drape.gif and a series for ParaView in the folder.
+leaves summary.json, ledger.csv, checkpoint.npz, drape.png, drape.gif and a series for ParaView in
+the folder; a run that fails leaves ledger, frames and checkpoint of its last output time.
 Default data: E t = 1000 N/m, nu = 0.3, bending of a sheet of 1 mm, 0.2 kg/m2, a sphere of radius
 0.25 m whose top is 0.05 m below the sheet.
 """
@@ -21,7 +22,7 @@ import numpy as np
 
 import meshes
 from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, command
+from shellform import Fabric, Shell, checkpoint, command
 from shellform.ledger import Ledger
 from shellform.newmark import Newmark
 from shellform.results import Report, Series
@@ -109,6 +110,7 @@ def main(given=None):
             stepper.advance(time)
         with report.stage("output"):
             ledger.record()
+            checkpoint.save(report.folder / "checkpoint.npz", stepper, touch)
             series.write(shell, time)
             frames.append((shell.positions(), shell.directors()))
             deepest = max(deepest, COMM.allreduce(touch.correction.max_depth, MPI.MAX))

@@ -61,12 +61,14 @@ def accuracy(text):
 def run(main, arguments=None):
     """Call main(arguments); end all ranks on an error, told in one sentence where it is known."""
     from .statics import NotConverged
+    from .stepper import Unstable
 
+    known = (ValueError, FabricError, NotConverged, Unstable, FloatingPointError, OSError)
     world = MPI.COMM_WORLD
     try:
         main(arguments)
         return
-    except (ValueError, FabricError, NotConverged, OSError) as error:
+    except known as error:
         message, code = f"{sys.argv[0]}: {error}", 2
     except KeyboardInterrupt:
         message, code = f"{sys.argv[0]}: interrupted", 130

@@ -56,6 +56,14 @@ class Newmark(Stepper):
         rotary_scale=ROTARY_SCALE,
         prefix="shell_",
     ):
+        if not 0 < time_step_factor <= 1:
+            raise ValueError(
+                f"an explicit step is a part of the largest stable one, 0 to 1, not "
+                f"{time_step_factor} of it"
+            )
+        for name, value in (("damping", damping), ("drag", drag)):
+            if not 0 <= value < np.inf:
+                raise ValueError(f"{name} is a finite number, not negative, not {value}")
         super().__init__(shell, hooks, rotary_scale, prefix)
         self.damping, self.drag, self.factor = damping, drag, time_step_factor
         n = self.n_owned

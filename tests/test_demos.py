@@ -140,6 +140,13 @@ def test_drape(ranks, tmp_path):
     assert (tmp_path / "drape.gif").read_bytes()[:3] == b"GIF"
 
 
+def test_drape_refuses_a_step_beyond_the_stable_one(tmp_path):
+    done = run("demos/drape.py", "--cells", 4, "--time-step-factor", 1.5, "--out", tmp_path)
+    assert done.returncode == 2
+    assert "a part of the largest stable one" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_drape_is_the_same_on_any_number_of_ranks(tmp_path):
     """Over the first few hundred steps, before a fold may choose its side by roundoff."""
     heights = []

@@ -179,6 +179,22 @@ def test_prescribed_motion_is_followed():
     assert p == pytest.approx(given, abs=1e-13)
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"time_step_factor": 1.5}, {"damping": -1e-4}, {"drag": float("nan")}]
+)
+def test_wrong_settings_are_refused(wrong):
+    with pytest.raises(ValueError, match="not "):
+        Newmark(sheet(2), **wrong)
+
+
+def test_an_exploding_step_is_told_with_its_node():
+    newmark = Newmark(sheet(4))
+    newmark.dt, newmark.recheck = 1.5 * newmark.critical_dt, 10**9
+    newmark.v[:, 2] = 1e-6 * (-1.0) ** newmark.shell.partition.owned_nodes
+    with pytest.raises(Unstable, match=r"node \d+ of rectangle has left the finite numbers at t ="):
+        newmark.advance(5000 * newmark.dt)
+
+
 def test_a_displacement_without_time_is_refused():
     shell = sheet(2)
     shell.supports.move("left", (0.0, 0.0, 0.1))
@@ -230,8 +246,8 @@ def test_stable_step_is_stable_and_close_to_the_limit(name, stretched):
             w[:, 0], w[:, 1] = 0.1 * X[:, 0] + 0.1 * X[:, 1], -0.05 * X[:, 1]
             for edge in ("left", "right", "bottom", "top"):
                 shell.supports.clamp(edge)
-        newmark = Newmark(shell, time_step_factor=factor)
-        newmark.recheck = 10**9
+        newmark = Newmark(shell)
+        newmark.dt, newmark.recheck = factor * newmark.critical_dt, 10**9
         rng = np.random.default_rng(0)
         kick = rng.standard_normal((len(surface.points), 3))
         newmark.v[:] = 1e-6 * kick[shell.partition.owned_nodes]
