@@ -56,30 +56,26 @@ class Newmark(Stepper):
         rotary_scale=ROTARY_SCALE,
         prefix="shell_",
     ):
-        if not 0 < time_step_factor <= 1:
-            raise ValueError(
-                f"an explicit step is a part of the largest stable one, 0 to 1, not "
-                f"{time_step_factor} of it"
-            )
-        for name, value in (("damping", damping), ("drag", drag)):
-            if not 0 <= value < np.inf:
-                raise ValueError(f"{name} is a finite number, not negative, not {value}")
+        check_settings(time_step_factor, damping, drag)
         super().__init__(shell, hooks, rotary_scale, prefix)
-        self.damping, self.drag, self.factor = damping, drag, time_step_factor
-        n = self.n_owned
         self._field = shell.w if not damping else fem.Function(shell.space)
         self._ahead = self._field.x.array.reshape(-1, 6)
-        self.internal = InternalForce(shell)
-        self.force = np.zeros((n, 3))
-        self._steady = shell.loads.steady()
-        shell.loads.force_at(0.0, self.force, default=1.0)
         self._set_supports()
-        self.support_impulse = np.zeros((n, 3))
+        self._start(InternalForce(shell), time_step_factor, damping, drag)
+
+    def _start(self, internal, time_step_factor, damping, drag):
+        """Take over the source of internal forces, set books to zero, find the step."""
+        n, loads = self.n_owned, self.shell.loads
+        self.internal, self.factor = internal, time_step_factor
+        self.damping, self.drag = damping, drag
+        self.force, self.support_impulse = np.zeros((n, 3)), np.zeros((n, 3))
+        self._steady = loads.steady()
+        loads.force_at(0.0, self.force, default=1.0)
         self.support_total, self.external_total = np.zeros(3), np.zeros(3)
         self.drag_total = np.zeros(3)
         self.last_dt = 0.0
         self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
-        self._cell = shell.surface.mean_cell_size
+        self._cell = self.shell.surface.mean_cell_size
         self.critical_dt = self.find_stable_step()
         self.dt = self.factor * self.critical_dt
 
@@ -245,3 +241,15 @@ class Newmark(Stepper):
             )
         tau = self.damping
         return 0.97 * float(np.sqrt(tau**2 + 4 / values[-1]) - tau)
+
+
+def check_settings(time_step_factor, damping, drag):
+    """ValueError for a step beyond the stable one or a negative damping."""
+    if not 0 < time_step_factor <= 1:
+        raise ValueError(
+            f"an explicit step is a part of the largest stable one, 0 to 1, not "
+            f"{time_step_factor} of it"
+        )
+    for name, value in (("damping", damping), ("drag", drag)):
+        if not 0 <= value < np.inf:
+            raise ValueError(f"{name} is a finite number, not negative, not {value}")

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Springs of the particle model, Sec. 2.1 and Fig. 1 of the paper: structural, shear, flexion.
+
+Constants from the fabric, exact for rectangular cells h1 x h2 along the yarns (L^2 = h1^2 + h2^2):
+diagonals k_d = G t L^2/(2 h1 h2), edges k_1 = (h2/h1) (C11 - G t h1^2/h2^2); on squares
+C11 = k_s + k_d, C22 = k_s' + k_d, G t = k_d. Each cell gives half to its edges, so boundary edges
+carry half. C12 cannot be chosen: it is G t. Flexion (Provot, Proc. Graphics Interface, 1995) has
+no linear bending rigidity: its moment k_f h^4 kappa^3/8 is set to B kappa at one curvature; what it
+adds to C11 is taken off the edges below it. Buckling springs (Choi and Ko, ACM Trans. Graph. 21,
+2002): k_b = B h/2, f = k_b kappa^2/(cos(kappa L/2) - sinc(kappa L/2)), -12 k_b/L^2 when straight.
+"""
+
+import numba
+import numpy as np
+
+from meshes.topology import directed_edges, unique_edges
+
+compiled = numba.njit(cache=True, error_model="numpy")
+EDGE, DIAGONAL, BEND = 0, 1, 2
+
+
+@compiled
+def buckling_force(length, rest, k_b):
+    """Force [N] of a buckled pinned column of chord `length` < rest, and its energy [J]."""
+    ratio = length / rest
+    low, high = 0.0, np.pi
+    u = min(3.0, np.sqrt(6.0 * max(0.0, 1.0 - ratio)))
+    for _ in range(60):
+        value = (1.0 - u * u / 6.0 + u**4 / 120.0) if u < 1e-2 else np.sin(u) / u
+        slope = -u / 3.0 + u**3 / 30.0 if u < 1e-2 else (np.cos(u) - value) / u
+        if value > ratio:
+            low = u
+        else:
+            high = u
+        new = u - (value - ratio) / slope if slope != 0.0 else 0.5 * (low + high)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - u) <= 1e-14 * (1.0 + u):
+            u = new
+            break
+        u = new
+    energy = 2.0 * k_b * u * u / rest
+    if u < 1e-2:
+        return -12.0 * k_b / rest**2 / (1.0 - u * u / 10.0), energy
+    return k_b * (2.0 * u / rest) ** 2 / (np.cos(u) - np.sin(u) / u), energy
+
+
+@compiled
+def pull(length, rest, k, k_b, turn, linear):
+    """Force [N], positive in tension, of one spring; `turn` is the length where it buckles."""
+    if k_b == 0.0 or linear:
+        return k * (length - rest)
+    if length >= rest:
+        return 0.0
+    if length >= turn:
+        return k * (length - rest)
+    return buckling_force(length, rest, k_b)[0]
+
+
+@compiled
+def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r):
+    """Internal forces into r (n, 6) [N], stiffness-proportional damping along the springs."""
+    r[:] = 0.0
+    for s in range(len(rest)):
+        i, j = pairs[s, 0], pairs[s, 1]
+        d0 = points[j, 0] - points[i, 0] + w[j, 0] - w[i, 0]
+        d1 = points[j, 1] - points[i, 1] + w[j, 1] - w[i, 1]
+        d2 = points[j, 2] - points[i, 2] + w[j, 2] - w[i, 2]
+        length = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+        if length == 0.0:
+            continue
+        f = pull(length, rest[s], k[s], k_b[s], turn[s], linear)
+        if damping > 0.0:
+            rate = d0 * (v[j, 0] - v[i, 0]) + d1 * (v[j, 1] - v[i, 1]) + d2 * (v[j, 2] - v[i, 2])
+            f += damping * k[s] * rate / length
+        f /= length
+        r[i, 0] -= f * d0
+        r[i, 1] -= f * d1
+        r[i, 2] -= f * d2
+        r[j, 0] += f * d0
+        r[j, 1] += f * d1
+        r[j, 2] += f * d2
+
+
+@compiled
+def energies(points, w, pairs, rest, k, k_b, turn, kind, out):
+    """Strain energies [J] by kind into out (3,)."""
+    out[:] = 0.0
+    for s in range(len(rest)):
+        square = 0.0
+        for c in range(3):
+            i, j = pairs[s, 0], pairs[s, 1]
+            square += (points[j, c] - points[i, c] + w[j, c] - w[i, c]) ** 2
+        length = np.sqrt(square)
+        e = 0.5 * k[s] * (length - rest[s]) ** 2
+        if k_b[s] > 0.0 and length >= rest[s]:
+            e = 0.0
+        elif k_b[s] > 0.0 and length < turn[s]:
+            e = 0.5 * k[s] * (turn[s] - rest[s]) ** 2
+            e += buckling_force(length, rest[s], k_b[s])[1]
+            e -= buckling_force(turn[s], rest[s], k_b[s])[1]
+        out[kind[s]] += e
+
+
+class Springs:
+    """Springs of a surface of 4-node quads.
+
+    Parameters
+    ----------
+    surface : meshes.Surface; cells : (m, 4) int, its cells in the numbering of `points`
+    points : (n, 3) [m]; fabric : Fabric
+    bending : 'flexion', 'buckling' or 'none'
+    curvature : float [1/m] or None, where flexion has the fabric's B; None: 1/bending length
+
+    Attributes
+    ----------
+    pairs : (s, 2) int; rest : (s,) [m]; k : (s,) [N/m]; k_b : (s,) [N m^2]; kind : (s,) int
+    r : (n, 6) [N], last forces
+    """
+
+    def __init__(self, surface, cells, points, fabric, bending="flexion", curvature=None):
+        if bending not in ("flexion", "buckling", "none"):
+            raise ValueError(f"bending is one of flexion, buckling, none, not '{bending}'")
+        if cells.shape[1] != 4:
+            raise ValueError(f"springs need 4-node quads; {surface.source} has other cells")
+        self.points, self.linear = points, False
+        rows = directed_edges(cells)
+        first, number, count = unique_edges(rows, len(points))
+        edges = rows[first]
+        number = number.reshape(-1, 4)
+        length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+        corner = length[number]
+        h1, h2 = 0.5 * (corner[:, 0] + corner[:, 2]), 0.5 * (corner[:, 1] + corner[:, 3])
+        A, B = _along_cells(surface, points[cells], fabric)
+        shear = A[:, 2, 2]
+        k1 = h2 / h1 * (A[:, 0, 0] - shear * (h1 / h2) ** 2)
+        k2 = h1 / h2 * (A[:, 1, 1] - shear * (h2 / h1) ** 2)
+        if min(k1.min(), k2.min()) <= 0:
+            bad = int(np.minimum(k1, k2).argmin())
+            raise ValueError(
+                f"cell {bad} of {surface.source} is too slender, or the fabric '{fabric.name}' too "
+                "stiff in shear, for springs: an edge would get a negative constant"
+            )
+        k, across, rigidity = (np.zeros(len(edges)) for _ in range(3))
+        for side in range(4):
+            np.add.at(k, number[:, side], 0.5 * (k2 if side % 2 else k1))
+            np.add.at(across, number[:, side], 0.5 * (h1 if side % 2 else h2))
+            half = 0.5 * (h1 * B[:, 1, 1] if side % 2 else h2 * B[:, 0, 0])
+            np.add.at(rigidity, number[:, side], half)
+        diagonals = np.concatenate([cells[:, [0, 2]], cells[:, [1, 3]]])
+        k_d = np.tile(shear * (h1**2 + h2**2) / (2 * h1 * h2), 2)
+        two, lines = _lines(edges, number, count, len(points))
+        if bending == "none":
+            two, lines = two[:0], lines[:0]
+        reach = np.linalg.norm(points[two[:, 1]] - points[two[:, 0]], axis=1)
+        stiff, EI = k[lines].min(axis=1), rigidity[lines].mean(axis=1)  # EI [N m^2]
+        if bending == "buckling":
+            k_b = 0.5 * EI
+            # the ramp must be steep enough to meet the column's force
+            k_f = np.maximum(0.05 * stiff, 40 * k_b / reach**3)
+        else:
+            k_b = np.zeros(len(two))
+            bent = 1 / fabric.bending_length() if curvature is None else curvature
+            k_f = np.minimum(8 * EI / ((0.5 * reach) ** 5 * bent**2), 0.05 * stiff)
+            for side in (0, 1):
+                at = lines[:, side]
+                np.add.at(k, at, -k_f * length[lines].sum(axis=1) / length[at])
+        self.pairs = np.ascontiguousarray(np.concatenate([edges, diagonals, two]))
+        ends = points[self.pairs]
+        self.rest = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        self.k = np.concatenate([k, k_d, k_f])
+        self.k_b = np.concatenate([np.zeros(len(k) + len(k_d)), k_b])
+        sizes = [len(k), len(k_d), len(k_f)]
+        self.kind = np.repeat(np.array([EDGE, DIAGONAL, BEND]), sizes)
+        self.turn = np.array([_turn(*s) for s in zip(self.rest, self.k, self.k_b, strict=True)])
+        self.limited = int(sizes[0] + sizes[1])
+        self.r, self._energy = np.zeros((len(points), 6)), np.zeros(3)
+
+    def __call__(self, w, v=None, damping=0.0):
+        """Forces (n, 6) [N] at the nodal field w (n, 6); returns `r`."""
+        v = self.points if v is None else v
+        forces(
+            self.points, w, v, damping, self.pairs, self.rest, self.k, self.k_b, self.turn,
+            self.linear, self.r,
+        )  # fmt: skip
+        return self.r
+
+    def energy(self, w):
+        """Strain energy [J] by kind of spring."""
+        energies(
+            self.points, w, self.pairs, self.rest, self.k, self.k_b, self.turn, self.kind,
+            self._energy,
+        )  # fmt: skip
+        return dict(zip(("structural", "shear", "flexion"), self._energy.tolist(), strict=True))
+
+
+def _along_cells(surface, corners, fabric):
+    """Membrane and bending matrices (m, 3, 3) in axes along the first edge of each cell."""
+    m = len(corners)
+    if not fabric.directional:
+        return np.tile(fabric.membrane, (m, 1, 1)), np.tile(fabric.bending, (m, 1, 1))
+    edge = corners[:, 1] - corners[:, 0]
+    normal = np.cross(edge, corners[:, 3] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    warp = np.broadcast_to(surface.warp, edge.shape)
+    turned = np.cross(normal, warp)
+    angle = np.arctan2(np.sum(edge * turned, 1), np.sum(edge * warp, 1))
+    angle, which = np.unique(np.round(np.degrees(angle), 6), return_inverse=True)
+    sheets = [fabric.rotated(a) for a in angle]
+    A, B = (np.array([getattr(s, n) for s in sheets]) for n in ("membrane", "bending"))
+    return A[which], B[which]
+
+
+def _lines(edges, number, count, nodes):
+    """Ends (f, 2) two apart along grid lines, and the two edges (f, 2) between."""
+    beside = [set() for _ in edges]
+    for cell, own in enumerate(number.tolist()):
+        for e in own:
+            beside[e].add(cell)
+    at = [[] for _ in range(nodes)]
+    for e, (a, b) in enumerate(edges.tolist()):
+        at[a].append((e, b))
+        at[b].append((e, a))
+    ends, lines = [], []
+    for meeting in at:
+        inside = all(count[e] == 2 for e, _ in meeting)
+        if len(meeting) != (4 if inside else 3):
+            continue  # a corner, or an irregular node: no line passes
+        for p, (e, a) in enumerate(meeting):
+            for f, b in meeting[p + 1 :]:
+                if not beside[e] & beside[f]:
+                    ends.append((a, b))
+                    lines.append((e, f))
+    return np.array(ends, np.int64).reshape(-1, 2), np.array(lines, np.int64).reshape(-1, 2)
+
+
+def _turn(rest, k, k_b):
+    """Length at which the ramp k (l - rest) meets the column's force."""
+    if k_b == 0.0:
+        return 0.0
+    low, high = 1e-6 * rest, rest
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if k * (middle - rest) < buckling_force(middle, rest, k_b)[0]:
+            low = middle
+        else:
+            high = middle
+    return high
