@@ -7,6 +7,7 @@ averaged over the last part of the run they carry the weight, with the pin and w
 
     python demos/drape.py --cells 24 --out out/drape
     mpirun -n 2 python demos/drape.py --pinned none --friction 0.3
+    python demos/drape.py --model particles
 
 leaves summary.json, ledger.csv, checkpoint.npz, drape.png, drape.gif and a series for ParaView in
 the folder; a run that fails leaves ledger, frames and checkpoint of its last output time.
@@ -42,7 +43,7 @@ def arguments(given):
     parser.add_argument("--cells", type=positive(int), help="along a side (default: accuracy)")
     parser.add_argument("--degree", type=int, choices=(1, 2), default=1, help="of the quads")
     parser.add_argument("--stepper", choices=("explicit",), default="explicit")
-    parser.add_argument("--model", choices=("shell",), default="shell")
+    parser.add_argument("--model", choices=("shell", "particles"), default="shell")
     parser.add_argument("--radii", type=positive(float), nargs=3, default=[0.25] * 3, help="m")
     parser.add_argument("--size", type=positive(float), default=1.0, help="side of the sheet, m")
     parser.add_argument("--pinned", choices=("corner", "none"), default="corner")
@@ -97,10 +98,9 @@ def main(given=None):
 
     # ## Steps
     with report.stage("compile"):
-        stepper = Newmark(
-            shell, options.time_step_factor, damping=options.damping, drag=options.drag
-        )
-        shell.energy()
+        model = Newmark if options.model == "shell" else Particles
+        stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
+        stepper.shell.energy()
     touch = Touch(stepper, body, options.friction)
     ledger, series = Ledger(report.folder / "ledger.csv", stepper, touch), Series(options.out)
     times = np.linspace(0, options.seconds, options.frames + 1)[1:]

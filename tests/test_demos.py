@@ -115,11 +115,11 @@ def test_reading_a_fabric_starts_no_finite_elements():
     assert done.stdout.strip() == "[]", done.stderr
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_drape(ranks, tmp_path):
+@pytest.mark.parametrize(("ranks", "model"), [(1, "shell"), (2, "shell"), (1, "particles")])
+def test_drape(ranks, model, tmp_path):
     """Weight is shared between body and pin; the books close; files are there."""
     small = ("--cells", 10, "--seconds", 1.5, "--frames", 6, "--window", 0.25, "--drag", 6)
-    done = run("demos/drape.py", *small, "--out", tmp_path, ranks=ranks)
+    done = run("demos/drape.py", *small, "--model", model, "--out", tmp_path, ranks=ranks)
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "summary.json").read_text())
     results = summary["results"]
