@@ -98,7 +98,9 @@ def main(given=None):
 
     # ## Steps
     with report.stage("compile"):
-        model = Newmark if options.model == "shell" else Particles
+        model = Newmark
+        if options.model == "particles":
+            from shellform.particles import Particles as model
         stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
         stepper.shell.energy()
     touch = Touch(stepper, body, options.friction)
