@@ -10,7 +10,6 @@ from mpi4py import MPI
 import numpy as np
 
 AXES = {"x": 0, "y": 1, "z": 2}
-FREE, IN_PLANE, FIXED = 0, 1, 2
 
 
 class Supports:
