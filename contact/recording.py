@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a captured or made-up motion hands to the body: J1, J2, M of every segment, Eq. 17.
+
+Frames in order, world axes right-handed with z up, SI units. Segments of the lower body and the
+meaning of their three points:
+
+    segment               J1               J2               M
+    pelvis                top, mid pelvis  mid hip centres  in front (mid ASIS)
+    right_, left_thigh    hip centre       knee centre      lateral of the knee
+    right_, left_shank    knee centre      ankle centre     lateral of the ankle
+    right_, left_foot     heel             toe end          lateral of the toe end
+
+so e1 runs down (forward in the foot) and e2 forward in the pelvis, outward in the legs. A recording
+may hold further segments and may lack feet.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+SIDES = ("right", "left")
+LEGS = tuple(f"{side}_{part}" for side in SIDES for part in ("thigh", "shank", "foot"))
+SEGMENTS = ("pelvis", *LEGS)
+
+# joint: the segment above, the one below, and whose point J1 (0) or J2 (1) is the centre
+JOINTS = {}
+for _side in SIDES:
+    _thigh, _shank, _foot = (f"{_side}_{part}" for part in ("thigh", "shank", "foot"))
+    JOINTS[f"{_side}_hip"] = ("pelvis", _thigh, (_thigh, 0))
+    JOINTS[f"{_side}_knee"] = (_thigh, _shank, (_shank, 0))
+    JOINTS[f"{_side}_ankle"] = (_shank, _foot, (_shank, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Tracks of the three points of every segment.
+
+    Parameters
+    ----------
+    times : (n,) float [s], rising, evenly spaced
+    points : dict, segment -> (n, 3, 3) float [m]: frame, point (J1, J2, M), coordinate
+    source : str, file or generator, for messages
+    notes : tuple of str, what was detected and repaired on the way
+    facts : dict of what the source knows, as "stride_length" [m], "cadence" [steps/min],
+        "stature" [m], "events": (name, time) pairs
+    """
+
+    times: np.ndarray
+    points: dict
+    source: str = "recording"
+    notes: tuple = ()
+    facts: dict = field(default_factory=dict)
+
+    def __post_init__(self):
+        times = np.asarray(self.times, float)
+        if times.ndim != 1 or len(times) < 2 or not (np.diff(times) > 0).all():
+            raise ValueError(f"{self.source}: times must rise over at least two frames")
+        for name, track in self.points.items():
+            if np.shape(track) != (len(times), 3, 3):
+                raise ValueError(
+                    f"{self.source}: points of '{name}' have shape {np.shape(track)}, not "
+                    f"({len(times)}, 3, 3)"
+                )
+            if not np.isfinite(track).all():
+                frame = int(np.argwhere(~np.isfinite(track))[0, 0])
+                raise ValueError(
+                    f"{self.source}: a point of '{name}' is missing at t = {times[frame]:.3f} s"
+                )
+
+    @property
+    def rate(self):
+        """Frames a second [Hz]."""
+        return (len(self.times) - 1) / (self.times[-1] - self.times[0])
+
+    def joint_centre(self, joint):
+        """Track (n, 3) of a joint's centre [m]."""
+        segment, end = JOINTS[joint][2]
+        return self.points[segment][:, end]
+
+    def lengths(self):
+        """Length |J2 - J1| [m] of every segment, (median, relative spread max - min)."""
+        out = {}
+        for name, track in self.points.items():
+            length = np.linalg.norm(track[:, 1] - track[:, 0], axis=1)
+            out[name] = (float(np.median(length)), float(np.ptp(length) / np.median(length)))
+        return out
