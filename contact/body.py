@@ -127,6 +127,10 @@ class Body:
             raise ValueError(f"no segment '{name}'; there are: {', '.join(self.names)}")
         return self.names.index(name)
 
+    def mask(self, names):
+        """Set of the named segments as a whole number, bit b for segment b."""
+        return sum(1 << self.index(name) for name in set(names))
+
     def new_pose(self, t=0.0):
         """Arrays for `pose`, filled at time t [s]; segments at rest are set here for good."""
         m = len(self.segments)

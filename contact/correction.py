@@ -23,11 +23,14 @@ from contact.planes import PLANE
 from contact.point import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, Ledger, meet_body
 from contact.travel import TRAVEL, in_reach, set_travel
 
+EVERY = 2**62 - 1  # all segments
+
 
 @njit(cache=True, error_model="numpy")
 def _correct(
-    x, v, old, mass, fixed, dt, law, start, start_axes, end, end_axes, radii, travel, planes, room,
-    forced, samples, weights, segment, sample_segment, impulse, book, window, window_book, counts,
+    x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
+    planes, room, forced, samples, weights, segment, sample_segment, impulse, book, window,
+    window_book, counts,
 ):  # fmt: skip
     """One step of contact for all nodes, then for all samples; returns node + 1 if not finite."""
     set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
@@ -45,14 +48,14 @@ def _correct(
             segment[i] = -1
             continue
         reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
-        if not in_reach(x[i], reach, travel):
+        if not in_reach(x[i], reach, travel, allowed[i]):
             segment[i] = -1
             continue
         for c in range(3):
             kick[c] = v[i, c] - old[i, c]
         segment[i], depth = meet_body(
-            x[i], v[i], kick, mass[i], dt, law, segment[i], travel, planes, room, book, counts,
-            change,
+            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], travel, planes, room,
+            book, counts, change,
         )  # fmt: skip
         deepest = max(deepest, depth)
         if segment[i] >= 0:
@@ -61,11 +64,12 @@ def _correct(
                 impulse[i, c] = mass[i] * change[c]
     for cell in range(len(samples)):
         for s in range(len(weights)):
-            inverse = 0.0
+            inverse, both = 0.0, EVERY
             for c in range(3):
                 p[c] = u[c] = kick[c] = 0.0
             for a in range(4):
                 i, w = samples[cell, a], weights[s, a]
+                both &= allowed[i]
                 if not fixed[i]:
                     inverse += w * w / mass[i]
                 for c in range(3):
@@ -77,8 +81,8 @@ def _correct(
             if inverse == 0.0:
                 continue
             segment_s, depth = meet_body(
-                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], travel, planes, room,
-                book, counts, change,
+                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], both, travel, planes,
+                room, book, counts, change,
             )  # fmt: skip
             sample_segment[cell, s] = segment_s
             deepest = max(deepest, depth)
@@ -107,6 +111,7 @@ class Correction:
     offset : float, distance from the skin at which cloth is held: half its thickness [m]
     fixed : (n,) bool or None, nodes of prescribed motion: left alone
     recovery : float, greatest speed at which a point that starts a step inside is moved out [m/s]
+    allowed : (n,) int or None, segments each node can touch, see `Body.mask`; None: all
     samples : None or (cells (k, 4) int, weights (s, 4) float)
         Further points sum_a weights[a] x[cells[a]] in every cell, met once after the nodes; their
         impulses go to the nodes by the weights. Cells of owned nodes only.
@@ -124,8 +129,9 @@ class Correction:
     """
 
     def __init__(
-        self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, samples=None
-    ):
+        self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, samples=None,
+        allowed=None,
+    ):  # fmt: skip
         mu_s, mu_k = coefficients(friction)
         if not (np.isfinite(offset) and offset >= 0):
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
@@ -134,6 +140,11 @@ class Correction:
         self.fixed = np.zeros(nodes, bool) if fixed is None else np.array(fixed, bool)
         if self.fixed.shape != (nodes,):
             raise ValueError(f"fixed has shape {self.fixed.shape}, not ({nodes},)")
+        self.allowed = np.full(nodes, EVERY) if allowed is None else np.array(allowed, np.int64)
+        if self.allowed.shape != (nodes,):
+            raise ValueError(f"allowed has shape {self.allowed.shape}, not ({nodes},)")
+        if len(body.radii) > 62:
+            raise ValueError(f"a body has at most 62 segments, not {len(body.radii)}")
         cells, weights = (np.zeros((0, 4)), np.zeros((0, 4))) if samples is None else samples
         self._cells = np.ascontiguousarray(cells, np.int64)
         self._weights = np.ascontiguousarray(weights, float)
@@ -179,7 +190,7 @@ class Correction:
         self._move(t, t + dt)
         last, window = self.last, self.window
         bad, self.max_depth = _correct(
-            x, v, v if v_old is None else v_old, mass, self.fixed, dt, self._law,
+            x, v, v if v_old is None else v_old, mass, self.fixed, self.allowed, dt, self._law,
             self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
             *self._scratch, v_old is not None, self._cells, self._weights, self.segment,
             self._sample_segment, last.impulse, last.table, window.impulse, window.table,

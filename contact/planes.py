@@ -79,7 +79,7 @@ def _set_plane(plane, owner, body, n0, n1, n2, height, depth, u0, u1, u2):
 
 
 @njit(cache=True, error_model="numpy")
-def find_planes(x, at, tau, step, travel, offset, recover, count, planes):
+def find_planes(x, at, tau, step, travel, allowed, offset, recover, count, planes):
     """Add planes of the ellipsoids that the next leg of the path may reach and that have none yet.
 
     The leg goes from x + at, at the fraction tau of the step, to x + step at its end. All
@@ -92,6 +92,7 @@ def find_planes(x, at, tau, step, travel, offset, recover, count, planes):
     at : (3,) float [m], tau : float, begin of the leg
     step : (3,) float, end of the leg [m]
     travel : (m,) TRAVEL; offset : float, of the surface that is met [m]
+    allowed : int, segments that the point can touch, see travel.py
     recover : float, way out of a body allowed in one step to a point that starts inside [m]
     count : int, planes there already; planes : (m,) PLANE, filled
 
@@ -104,6 +105,8 @@ def find_planes(x, at, tau, step, travel, offset, recover, count, planes):
         reach += np.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
     evaluated, known, soonest, rest = 0, count, 2.0, 1.0 - tau
     for b in range(len(travel)):
+        if not (allowed >> b) & 1:
+            continue
         body = travel[b]
         q0, q1, q2 = x[0] - body.centre[0], x[1] - body.centre[1], x[2] - body.centre[2]
         limit = body.far + reach

@@ -78,7 +78,9 @@ def _rub(free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved,
 
 
 @njit(cache=True, error_model="numpy")
-def meet_body(x, v, kick, mass, dt, law, last, travel, planes, room, book, counts, change):
+def meet_body(
+    x, v, kick, mass, dt, law, last, allowed, travel, planes, room, book, counts, change
+):  # fmt: skip
     """Contact of one point over one step.
 
     Parameters
@@ -88,6 +90,7 @@ def meet_body(x, v, kick, mass, dt, law, last, travel, planes, room, book, count
     mass : float, effective mass [kg]
     law : mu_s, mu_k, offset [m], recovery [m/s]
     last : int, segment of the last step or -1
+    allowed : int, segments that the point can touch, see travel.py
     room : (4, 3) float, scratch
     book : (m, 9) float, added to; counts : (4,) int, added to
     change : (3,) float, filled: change of velocity [m/s]
@@ -105,7 +108,7 @@ def meet_body(x, v, kick, mass, dt, law, last, travel, planes, room, book, count
     stick = False
     while True:
         found, tau, evaluated = find_planes(
-            x, at, tau, step, travel, offset, recovery * dt, count, planes
+            x, at, tau, step, travel, allowed, offset, recovery * dt, count, planes
         )
         counts[EVALUATED] += evaluated
         if found == count:

@@ -5,6 +5,8 @@ From t to t + dt a body takes the material point that coincides with x at t to x
 drift = shift + turn @ (x - centre), from the two poses alone: drift / dt is the velocity of the
 surface, v_c + omega x r at mid-step with an error of second order, and a point that sticks stays
 where it is on the body for any number of steps.
+
+Sets of segments are whole numbers, bit b for segment b.
 """
 
 import numpy as np
@@ -58,9 +60,11 @@ def set_travel(start, start_axes, end, end_axes, radii, offset, travel):
 
 
 @njit(cache=True, error_model="numpy")
-def in_reach(x, reach, travel):
-    """Whether a step of length `reach` [m] from x can come near any ellipsoid at all."""
+def in_reach(x, reach, travel, allowed):
+    """Whether a step of length `reach` [m] from x can come near any ellipsoid it can touch."""
     for b in range(len(travel)):
+        if not (allowed >> b) & 1:
+            continue
         body = travel[b]
         q0, q1, q2 = x[0] - body.centre[0], x[1] - body.centre[1], x[2] - body.centre[2]
         limit = body.far + reach

@@ -629,6 +629,35 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed():
 # ---------------------------------------------------------------- bookkeeping
 
 
+def test_a_node_meets_only_segments_it_can_touch():
+    """Two equal spheres in one place: the node stops at the second, or falls through both."""
+    body = spheres((0, 0, 0), (0, 0, 0))
+    x, mass = np.tile([0.0, 0.0, 0.1], (3, 1)), np.ones(3)
+    allowed = [body.mask(["s0"]), body.mask(["s1"]), 0]
+    correction = Correction(body, 3, allowed=allowed)
+    v = np.tile([0.0, 0.0, -1.0], (3, 1))
+    correction(x, v, mass, 1e-3, 0.0)
+    assert correction.segment.tolist() == [0, 1, -1]
+    np.testing.assert_allclose(v[:, 2], [0, 0, -1], atol=1e-12)
+    np.testing.assert_allclose(correction.last.segment_impulse[:, 2], [1, 1], rtol=1e-12)
+    with pytest.raises(ValueError, match="no segment 's7'"):
+        body.mask(["s7"])
+
+
+def test_a_sample_touches_what_all_its_nodes_can():
+    """The cell's middle hits the sphere; one node that cannot touch it lets the cell pass."""
+    body = spheres((0, 0, 0))
+    x = np.array([[-1.0, -1, 0.1], [1, -1, 0.1], [1, 1, 0.1], [-1, 1, 0.1]])
+    for able, active in ((4, 1), (3, 0)):
+        allowed = [1] * able + [0] * (4 - able)
+        middle = ([[0, 1, 2, 3]], np.full((1, 4), 0.25))
+        correction = Correction(body, 4, allowed=allowed, samples=middle)
+        v = np.tile([0.0, 0.0, -1.0], (4, 1))
+        correction(x, v, np.ones(4), 1e-3, 0.0)
+        assert correction.active == active
+        assert (np.abs(v[:, 2]) < 1e-12).all() == bool(active)
+
+
 def test_nothing_in_reach_nothing_evaluated():
     x, v = np.full((50, 3), 3.0), np.full((50, 3), -1.0)
     kept = v.copy()
