@@ -215,6 +215,11 @@ class Correction:
         self._start_time, self._end_time = start, end
 
     @property
+    def start_pose(self):
+        """Pose of the body at the start of the last step."""
+        return self._start
+
+    @property
     def evaluated(self):
         return int(self._counts[EVALUATED])
 

@@ -126,6 +126,11 @@ class Wearer:
         np.subtract(segments.spins[self._below], segments.spins[self._above], out=out.spins)
         return out
 
+    def just_below(self, joint):
+        """Names of the ellipsoids on the segment just below a joint."""
+        pairs = zip(self.names, self.segments, strict=True)
+        return [name for name, segment in pairs if segment == JOINTS[joint][1]]
+
     def below(self, joint):
         """Names of the ellipsoids on the segments below a joint, the far ones included."""
         reached = {JOINTS[joint][1]}
