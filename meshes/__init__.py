@@ -4,6 +4,7 @@ Nothing here knows finite elements. Lengths are in m; a Surface has passed `chec
 """
 # SPDX-License-Identifier: LGPL-3.0-or-later
 
+from .garment import SIZES, trousers
 from .geometry import nodal_normals
 from .load import load, save
 from .panel import (
@@ -28,8 +29,11 @@ from .repair import (
     to_triangles,
 )
 from .surface import MeshError, Surface, check
+from .tube import skirt, sleeve
+from .worn import regions, worn
 
 __all__ = [
+    "SIZES",
     "MeshError",
     "Surface",
     "annulus",
@@ -47,10 +51,15 @@ __all__ = [
     "orient",
     "patch",
     "rectangle",
+    "regions",
     "save",
     "scaled_jacobian",
     "skewed",
+    "skirt",
+    "sleeve",
     "spherical_cap",
     "split_triangles",
     "to_triangles",
+    "trousers",
+    "worn",
 ]

@@ -23,7 +23,7 @@ from .surface import Surface
 from .topology import segments_of_line
 from .validity import MeshError, check_arrays
 
-_UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 # Nodes kept of each kind of cell: quadratic cells without a centre node are straightened.
 _FACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 9}
 
@@ -50,8 +50,8 @@ def load(path, unit="m", quads=None):
     """
     path = Path(path)
     name = path.name
-    if unit not in _UNITS:
-        raise ValueError(f"unit must be one of {', '.join(_UNITS)}, not {unit!r}")
+    if unit not in UNITS:
+        raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
     if quads not in (None, "split"):
         raise ValueError(f"quads must be None or 'split', not {quads!r}")
     mesh = read_mesh(path)
@@ -63,7 +63,7 @@ def load(path, unit="m", quads=None):
     if "gmsh:physical" in mesh.cell_data:
         blocks, panels, warp = drop_repeats(blocks, panels, warp)
     directors = _directors(mesh, points)
-    points = points * _UNITS[unit]
+    points = points * UNITS[unit]
     if len(blocks) > 1 or (quads == "split" and blocks[0].shape[1] == 3):
         points, cells, edges, directors, parents = split_blocks(points, blocks, edges, directors)
         panels, warp = carry(panels, warp, parents)

@@ -32,7 +32,7 @@ __all__ = [
     "to_triangles",
 ]
 
-_TURNED = {3: [0, 2, 1], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+TURNED = {3: [0, 2, 1], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
 
 def orient(surface, outward=False, towards=None, majority=False):
@@ -83,7 +83,7 @@ def orient(surface, outward=False, towards=None, majority=False):
     turn ^= (score < 0.0)[piece]
     if not turn.any():
         return surface
-    cells = np.where(turn[:, None], cells[:, _TURNED[cells.shape[1]]], cells)
+    cells = np.where(turn[:, None], cells[:, TURNED[cells.shape[1]]], cells)
     directors = surface.directors
     if directors is not None:
         along = np.einsum("ni,ni->n", directors, mean_normals(points, cells))
