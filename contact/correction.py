@@ -215,6 +215,15 @@ class Correction:
         self._start_time, self._end_time = start, end
 
     @property
+    def friction(self):
+        """(mu_s, mu_k); may be changed between steps."""
+        return self._law[:2]
+
+    @friction.setter
+    def friction(self, value):
+        self._law = (*coefficients(value), *self._law[2:])
+
+    @property
     def start_pose(self):
         """Pose of the body at the start of the last step."""
         return self._start

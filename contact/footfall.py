@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """How a foot goes from footfall to footfall: it rolls over its sole, and swings.
 
-The foot is rigid, in a vertical plane of its own: along (forward) and up. Its pitch is positive with
-the toe up. The sole is a flat between two arcs, the heel and what lies before the ball, so that the
-heel and toe rockers of gait (Perry, Gait Analysis, 1992) are a rolling without slip and without
-sinking in: the point of contact C moves by -R da and the ankle turns about it. Lengths are those of
-a man of 1.755 m with footwear: ankle height 75 mm and foot length 0.152 of stature (Drillis and
-Contini), heel to ball about 0.18 m.
+The foot is rigid, in a vertical plane of its own: along (forward) and up. Its pitch is positive
+with the toe up. With no toe joint it leaves the floor at 39 degrees, where the hindfoot of a real
+one has about 55 and its ankle is at the same height. The sole is a flat between two arcs, the heel
+and what lies before the ball, so that the heel and toe rockers of gait (Perry, Gait Analysis, 1992)
+are a rolling without slip and without sinking in: the point of contact moves by -R da and the ankle
+turns about it. Lengths are those of a man of 1.755 m with footwear: ankle height 75 mm, and foot
+length 0.152 of stature (Drillis and Contini, 1966).
 
 Swings are quintic splines between the states at toe-off and heel strike; with two continuous
 derivatives at both, the whole path has them.
@@ -68,24 +69,19 @@ def spline(times, values, start=(0.0, 0.0), end=None):
 
     `end` None leaves the end free (third and fourth derivative zero).
     """
-    derivatives = [(1, np.asarray(start[0])), (2, np.asarray(start[1]))]
     zero = np.zeros(np.shape(values)[1:])
-    derivatives = [(k, zero + d) for k, d in derivatives]
-    if end is None:
-        last = [(3, zero), (4, zero)]
-    else:
-        last = [(1, zero + end[0]), (2, zero + end[1])]
-    return make_interp_spline(times, values, k=5, bc_type=(derivatives, last))
+    first = [(1, zero + start[0]), (2, zero + start[1])]
+    last = [(3, zero), (4, zero)] if end is None else [(1, zero + end[0]), (2, zero + end[1])]
+    return make_interp_spline(times, values, k=5, bc_type=(first, last))
 
 
 class Footfall(NamedTuple):
     """One contact of a foot with the floor: where and when, and how its pitch goes.
 
-    along : ankle of the flat foot [m]
-    aside : the same across the walk [m], to the left
-    flat : time from which the foot is flat [s]; for all times before when strike is -inf
-    pitches : knots (time [s], pitch [rad]) from there on, the first 0, the last at toe-off
-    strike : time of heel strike [s]
+    along, aside : ankle of the flat foot, along the walk and to the left [m]
+    strike : time of heel strike [s], -inf for a foot that stands from the beginning
+    flat : time from which the foot is flat [s]
+    pitches : knots (time [s], pitch [rad]) of its rise, the first 0, the last at toe-off
     """
 
     along: float
@@ -103,8 +99,8 @@ class Footfall(NamedTuple):
 class Swing(NamedTuple):
     """What a foot passes between two footfalls: rows of knots, each column after its instant.
 
-    Instants are fractions of the swing, 0 to 1; x along and z up of the ankle [m], y aside of the
-    straight line from footfall to footfall [m], pitch [rad].
+    Instants are fractions of the swing, 0 to 1; x along, z up and y aside, to the left, of the
+    ankle [m]; pitch [rad].
     """
 
     x: tuple
@@ -113,8 +109,8 @@ class Swing(NamedTuple):
     y: tuple = ((), ())
 
 
-STRIKE = (np.radians(18.0), np.radians(-150.0), 0.0)  # pitch, its rate [1/s] and change [1/s^2]
-OFF_RATE = np.radians(-190.0)  # pitch rate at toe-off [1/s]
+STRIKE = (np.radians(17.6), np.radians(-365.0), 31.0)  # pitch, its rate [1/s] and change [1/s^2]
+OFF_RATE = -5.6  # pitch rate at toe-off [1/s]
 
 
 def track(falls, swings, times):
@@ -144,7 +140,9 @@ def track(falls, swings, times):
             at = np.concatenate([[0.0], knots[0], [1.0]])
             values = np.concatenate([[start[0]], knots[1], [end[0]]])
             scale = (1.0, span, span**2)
-            start, end = ([d * f for d, f in zip(state, scale, strict=True)] for state in (start, end))
+            start, end = (
+                [d * f for d, f in zip(state, scale, strict=True)] for state in (start, end)
+            )
             return spline(at, values, start[1:], end[1:])(s)
 
         off_pitch = fall.pitches[-1][1]
