@@ -10,6 +10,7 @@ points of the segments -> low pass -> `contact.recording.Recording`.
 """
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from contact import marker_files
 from contact.body import pose_from_markers
@@ -73,7 +74,8 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
     max_gap : float, longest gap filled [s]
     cutoff : float, of the zero-phase low pass on the points [Hz], or None
     window : (start, end) [s] on the capture's clock, or None for all of it
-    rigid : bool, whether thighs and shanks get their median lengths (`rigid_legs`)
+    rigid : bool, whether thighs and shanks get their median lengths (`rigid_legs`) and the pelvis
+        is set `upright`
 
     Raises
     ------
@@ -115,6 +117,9 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
     if rigid:
         points, moved = rigid_legs(points)
         notes.append(f"joints moved by up to {1e3 * moved:.1f} mm to keep the bones' lengths")
+    if rigid and "pelvis" in points:
+        points["pelvis"], lean = upright(points["pelvis"])
+        notes.append(f"pelvis set upright: its landmarks lean by {np.degrees(lean):.0f} degrees")
     _require_lever(points, times, source)
     return Recording(times, points, source, tuple(notes), facts(times, points))
 
@@ -182,6 +187,22 @@ def mirrored(points):
         return False
     across = points["right_thigh"][:, 0] - points["left_thigh"][:, 0]
     return bool(np.median(np.cross(across, forward(points["pelvis"]))[:, 2]) < 0)
+
+
+def upright(pelvis):
+    """Points (n, 3, 3) of a pelvis with e1 upright in the median, and the lean taken away [rad].
+
+    The middle of the pelvis' markers is not above the hip centres: e1 of the landmarks leans by 20
+    to 30 degrees in a wearer who stands. J1 and M are turned about J2 and e3, one angle for all
+    frames.
+    """
+    _, axes = pose_from_markers(pelvis[:, 0], pelvis[:, 1], pelvis[:, 2])
+    lean = float(np.median(np.arctan2(axes[:, 1, 2], -axes[:, 0, 2])))
+    turn = Rotation.from_rotvec(-lean * axes[:, 2])
+    turned = pelvis.copy()
+    for k in (0, 2):
+        turned[:, k] = pelvis[:, 1] + turn.apply(pelvis[:, k] - pelvis[:, 1])
+    return turned, lean
 
 
 def _require_sides(points, source):

@@ -83,7 +83,8 @@ def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
     light = view.T @ np.array([-0.3, 0.5, 0.8]) / np.linalg.norm([-0.3, 0.5, 0.8])
     polygons, faces, edges, depths = [], [], [], []
     for facets, sides, front, back, away in surfaces:
-        normal = np.cross(facets[:, 1] - facets[:, 0], facets[:, -1] - facets[:, 0])
+        # by diagonals: a side may have no length, as at the poles of an ellipsoid
+        normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
         shade = 0.5 + 0.5 * np.abs(normal @ light)
         front_seen = (normal @ view[2] >= 0)[:, None]

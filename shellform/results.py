@@ -79,14 +79,27 @@ class Report:
 
 
 class Series:
-    """Frames of a moving surface: FOLDER/NAME.pvd and NAME/0000.vtu, ... for ParaView."""
+    """Frames of a moving surface: FOLDER/NAME.pvd and NAME/0000.vtu, ... for ParaView.
 
-    def __init__(self, folder, name="series"):
+    Parameters
+    ----------
+    folder : path; name : str
+    until : float or None, go on with the series that is there, its frames up to this time [s]
+    """
+
+    def __init__(self, folder, name="series", until=None):
         self.index, self.frames = Path(folder) / f"{name}.pvd", Path(folder) / name
         self.entries = []
+        if until is not None and self.index.is_file():
+            lines = self.index.read_text().splitlines()
+            entries = [line for line in lines if "<DataSet" in line]
+            self.entries = [e for e in entries if float(e.split('"')[1]) <= until + 1e-9]
 
-    def write(self, shell, time):
-        """Add the present state of a shell at a time [s] or load level."""
+    def write(self, shell, time, **fields):
+        """Add the present state of a shell at a time [s] or load level.
+
+        fields : further nodal values by name, (n,) or (n, 3) in the surface's numbering, on rank 0
+        """
         positions, directors = shell.positions(), shell.directors()
         if shell.comm.rank:
             return
@@ -98,7 +111,7 @@ class Series:
         path = self.frames / f"{len(self.entries):04d}.vtu"
         part = path.with_suffix(".part.vtu")
         displacements = positions - surface.points
-        data = {"displacement": displacements, "director": directors}
+        data = {"displacement": displacements, "director": directors} | fields
         meshio.Mesh(positions, [(kind, surface.cells)], point_data=data).write(part)
         os.replace(part, path)
         self.entries.append(

@@ -262,10 +262,9 @@ def compiled(groups, **jit):
     """Compile tuples of UFL forms; all signatures first: compiling one changes those of others."""
     for form in (form for group in groups for form in group):
         form.signature()
-    quiet = logging.getLogger()
-    level = quiet.level
-    quiet.setLevel(logging.WARNING)  # or the C compiler's command lines reach the terminal
+    before = logging.root.manager.disable
+    logging.disable(logging.INFO)  # or the C compiler's command lines reach the terminal
     try:
         return [tuple(fem.form(form, jit_params=JIT | jit) for form in group) for group in groups]
     finally:
-        quiet.setLevel(level)
+        logging.disable(before)

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From a scene to its parts: the wearer in motion, the garment where it will be worn, the plan.
+
+Only what the scene asks for is imported, read and made. Everything a user can get wrong about body
+and garment is found here, before any computation.
+"""
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+import meshes
+from contact import anthropometry
+from contact.gait import standing_of, synthetic_walk
+from contact.lead_in import lead_in
+from contact.leg import ANKLE_UP
+from contact.recording import SIDES
+from contact.wearer import Wearer
+
+from .scene_file import fabric_of
+
+HIP_HEIGHT = 0.918  # of the hip joints of the person that the sizes of trousers fit [m]
+STRETCH = 0.05  # cloth that must stretch more to reach around the body is refused
+
+
+def wearer_of(scene):
+    """Wearer of a scene, who starts from standing.
+
+    Raises
+    ------
+    ValueError, FileNotFoundError for a capture that cannot be read, or a part of it that is empty
+    """
+    motion, person = scene.motion, scene.person
+    if motion.file == "synthetic":
+        recording = synthetic_walk(
+            **({} if person.stature is None else {"stature": person.stature}),
+            strides=motion.strides,
+            obstacle=motion.obstacle,
+            obstacle_stride=min(3, motion.strides),
+        )
+    else:
+        from contact.motion import read_motion
+
+        window = None
+        if motion.start is not None or motion.end is not None:
+            window = (
+                -np.inf if motion.start is None else motion.start,
+                np.inf if motion.end is None else motion.end,
+            )
+        recording = read_motion(
+            motion.file, motion.map, motion.unit, motion.up, motion.cutoff, motion.max_gap, window
+        )
+    standing = standing_of(recording)
+    if not at_rest(recording, standing):
+        recording = lead_in(recording, standing, motion.lead_in)
+    lengths = {name: length for name, (length, _) in recording.lengths().items()}
+    stature = person.stature or recording.facts.get("stature")
+    ellipsoids = anthropometry.ellipsoids(
+        lengths, stature=stature, mass=person.mass, girths=person.girths or None
+    )
+    return Wearer(recording, ellipsoids)
+
+
+def at_rest(recording, standing, near=1e-6):
+    """True if a recording begins in the standing pose, at rest."""
+    return all(
+        np.abs(track[:2] - standing[name]).max() < near for name, track in recording.points.items()
+    )
+
+
+def garment_of(scene, wearer):
+    """Surface of the garment, where it is worn by the standing wearer.
+
+    Raises
+    ------
+    ValueError, meshes.MeshError for measures or a file that make no garment, or one that does not
+    fit the wearer
+    """
+    garment = scene.garment
+    height, middle, heading = stance(wearer)
+    if garment.file is not None:
+        surface = meshes.worn(meshes.load(garment.file, unit=garment.unit), waist=garment.waist)
+    elif garment.size is not None:
+        surface = meshes.trousers(garment.size, **garment.measures, cell_size=scene.cell_size)
+    else:
+        scale = height / HIP_HEIGHT
+        fitted = {
+            name: scale * value
+            for name, value in meshes.SIZES["large-regular"].items()
+            if name.endswith("_height")
+        }
+        fitted["waist_height"] = waist_height(wearer) - middle[2] + height
+        surface = meshes.trousers(**fitted | garment.measures, cell_size=scene.cell_size)
+    cosine, sine = heading[:2]
+    turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1.0]])
+    surface = surface.transform(turn, (*middle[:2], middle[2] - height))
+    check_fit(surface, wearer)
+    return surface
+
+
+def stance(wearer):
+    """Height of the hip joints over the floor [m], their middle (3,), heading (3,) at the start."""
+    points = {name: track[0] for name, track in wearer.recording.points.items()}
+    hips = [points[f"{side}_thigh"][0] for side in SIDES]
+    middle = np.mean(hips, axis=0)
+    leg = np.mean(
+        [wearer.recording.lengths()[f"{s}_{p}"][0] for s in SIDES for p in ("thigh", "shank")]
+    )
+    floor = min(points[f"{side}_shank"][1, 2] for side in SIDES) - ANKLE_UP * 2 * leg
+    across = hips[1] - hips[0]  # to the left
+    heading = np.array([across[1], -across[0], 0.0])
+    return middle[2] - floor, middle, heading / np.linalg.norm(heading)
+
+
+def waist_height(wearer):
+    """Height [m] of the narrowest place between pelvis and abdomen, where a belt stays."""
+    pose = wearer.new_pose(wearer.start)
+    which = [wearer.index("pelvis"), wearer.index("abdomen")]
+    heights = np.linspace(*pose.centres[which, 2], 101)
+    girths = [girth_of_body(wearer, pose, which, height) for height in heights]
+    return float(heights[int(np.argmin(girths))])
+
+
+def reach_of(surface, wearer):
+    """Ellipsoids that every node can touch, (n,) int for `Correction(allowed=...)`.
+
+    A trouser leg does not meet the other leg of the wearer: between them is the other trouser leg,
+    and cloth does not meet cloth here.
+    """
+    every = (1 << len(wearer.names)) - 1
+    allowed = np.full(len(surface.points), every)
+    if not {"right_hem", "left_hem"} <= set(surface.edges):
+        return allowed
+    parts = meshes.regions(surface)
+    for side, other in (SIDES, SIDES[::-1]):
+        far = [n for n, s in zip(wearer.names, wearer.segments, strict=True) if other in s]
+        allowed[parts[f"{side}_leg"]] &= every & ~wearer.mask(far)
+    return allowed
+
+
+def check_fit(surface, wearer):
+    """ValueError if the wearer cannot be inside the garment."""
+    pose = wearer.new_pose(wearer.start)
+    waist = surface.points[surface.edges["waist"][:, 0]]
+    k = wearer.index("pelvis")
+    if not inside(waist[:, :2], pose.centres[k, :2]):
+        raise ValueError(
+            f"the waist of {surface.source} does not enclose the wearer's pelvis at "
+            f"{np.round(pose.centres[k, :2], 3).tolist()} m: it is centred at "
+            f"{np.round(waist[:, :2].mean(axis=0), 3).tolist()} m"
+        )
+    for side in SIDES:
+        edge = surface.edges.get(f"{side}_hem")
+        if edge is None:
+            continue
+        hem = surface.points[edge[:, 0]]
+        k = wearer.index(f"{side}_shank")
+        if not inside(hem[:, :2], pose.centres[k, :2]):
+            raise ValueError(
+                f"the {side} hem of {surface.source} does not enclose the wearer's {side} leg at "
+                f"{np.round(pose.centres[k, :2], 3).tolist()} m: give the garment or the stance "
+                "another width"
+            )
+    k = wearer.index("pelvis")
+    level = pose.centres[k, 2]
+    body = girth_of_body(wearer, pose, [k], level)
+    cloth = girth_at(surface, level)
+    if 0 < cloth * (1 + STRETCH) < body:
+        raise ValueError(
+            f"the wearer's hips measure {body:.3f} m, {surface.source} only {cloth:.3f} m there: "
+            "take a larger size, or check the wearer's girths"
+        )
+
+
+def inside(polygon, point):
+    """True if a closed polygon (k, 2) goes around a point (2,)."""
+    arms = polygon - point
+    after = np.roll(arms, -1, axis=0)
+    cross = arms[:, 0] * after[:, 1] - arms[:, 1] * after[:, 0]
+    turns = np.arctan2(cross, np.sum(arms * after, axis=1)).sum()
+    return abs(turns) > np.pi
+
+
+def girth_at(surface, height):
+    """Length [m] of the surface's section at a height [m]; 0 where there is none."""
+    corners = surface.points[surface.cells[:, : 3 if surface.kind == "triangle" else 4]]
+    after = np.roll(corners, -1, axis=1)
+    above = corners[:, :, 2] > height
+    crossed = above != np.roll(above, -1, axis=1)
+    rise = np.where(crossed, after[:, :, 2] - corners[:, :, 2], 1.0)
+    part = np.where(crossed, (height - corners[:, :, 2]) / rise, 0.0)[:, :, None]
+    places = corners + part * (after - corners)
+    twice = crossed.sum(axis=1) == 2
+    ends = places[twice][crossed[twice]].reshape(-1, 2, 3)
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
+
+
+def girth_of_body(wearer, pose, which, height, count=180):
+    """Length [m] of a tape around the ellipsoids `which` at a height [m]."""
+    points = []
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    for k in which:
+        # the section of |S (x - c)| = 1 with a level plane, from the quadratic form
+        A = pose.axes[k].T @ np.diag(wearer.radii[k] ** -2.0) @ pose.axes[k]
+        z = height - pose.centres[k, 2]
+        shift = -np.linalg.solve(A[:2, :2], A[:2, 2]) * z
+        left = 1 - z * z * (A[2, 2] - A[2, :2] @ np.linalg.solve(A[:2, :2], A[:2, 2]))
+        if left <= 0:
+            continue
+        root = np.linalg.inv(np.linalg.cholesky(A[:2, :2])).T * np.sqrt(left)
+        circle = np.stack([np.cos(angle), np.sin(angle)])
+        points.append(pose.centres[k, :2] + shift + (root @ circle).T)
+    if not points:
+        return 0.0
+    points = np.concatenate(points)
+    try:
+        rim = points[ConvexHull(points).vertices]
+    except QhullError:
+        return 0.0
+    return float(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1).sum())
+
+
+def fabric(scene):
+    """Fabric of a scene."""
+    return fabric_of(scene.fabric)

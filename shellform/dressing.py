@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Putting a garment on a standing wearer, Fig. 7 of the paper.
+
+(a) The feet are left out. (b) The garment, below the legs at first, is pulled up by its waist edge
+over legs and hips to the height it was made for. (c) The feet are met again. (d) A belt of given
+tension draws the waist together while the hands let go; then everything settles, until the mean
+speed of the cloth is `quiet`.
+
+All of it happens before the recorded motion: the wearer stands still before its first frame, and
+what time is left over is skipped. Cloth slides easily while it is pulled up (`slip`), as a person
+would shake it into place; the friction of the scene holds from the belt on.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .belt import Belt, Hands, Ring
+
+GAP = 0.03  # between the waist edge and the legs above it, before [m]
+
+
+@dataclass(frozen=True)
+class Dressing:
+    """How a garment is put on.
+
+    pull, belt, release, settle : float [s], time to pull it up, to tighten the belt, to let go, and
+        at most to settle
+    drag : float [1/s], of the air while dressing; slip : float, friction while pulling up
+    grip : float [N/m], of the hands on each node of the waist
+    quiet : float [m/s], root mean square speed of the settled cloth
+    """
+
+    pull: float = 1.2
+    belt: float = 0.3
+    release: float = 0.2
+    settle: float = 3.0
+    drag: float = 4.0
+    slip: float = 0.02
+    grip: float = 150.0
+    quiet: float = 0.01
+
+    @property
+    def seconds(self):
+        """Longest time it can take [s]."""
+        return self.pull + self.belt + self.release + self.settle
+
+
+def drop_below(surface, wearer, time):
+    """How far [m] a garment is let down so that its waist edge is below all but the feet."""
+    pose = wearer.new_pose(time)
+    worn = [k for k, segment in enumerate(wearer.segments) if not segment.endswith("foot")]
+    # an ellipsoid reaches sqrt(sum (r_i e_i . z)^2) below its centre
+    reach = np.sqrt(np.sum((wearer.radii[worn] * pose.axes[worn, :, 2]) ** 2, axis=1))
+    low = (pose.centres[worn, 2] - reach).min()
+    waist = surface.points[np.unique(surface.edges["waist"]), 2].max()
+    return float(waist - low + GAP)
+
+
+def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
+    """Dress the wearer; the stepper's clock ends at the wearer's first frame.
+
+    Parameters
+    ----------
+    stepper : Newmark on a surface that lies as it will be worn, with the edge 'waist'
+    touch : Touch whose body is a Wearer that starts from rest
+    tension : float [N], of the belt
+    plan : Dressing or None; watch : function of (stage, stepper), called every `every` [s]
+
+    Returns
+    -------
+    belt : Belt, which stays
+    report : dict of what was reached: `seconds` it took, root mean square `speed` [m/s], whether
+        `settled`, and the figures of `fit`
+    """
+    plan = Dressing() if plan is None else plan
+    correction, wearer = touch.correction, touch.correction.body
+    watch = watch or (lambda stage, stepper: None)
+    feet = wearer.mask([n for n, s in zip(wearer.names, wearer.segments) if s.endswith("foot")])
+    reach, law, drag = correction.allowed.copy(), correction.friction, stepper.drag
+    start = wearer.start - plan.seconds
+    stepper.time, stepper.drag = start, plan.drag
+
+    # (a), below the legs, feet left out
+    drop = drop_below(stepper.shell.surface, wearer, start)
+    stepper.owned[:, 2] -= drop
+    stepper.scatter()
+    correction.allowed &= ~feet
+    correction.friction = plan.slip
+    watch("below", stepper)
+
+    # (b), up over legs and hips
+    mass = stepper.shell.comm.allreduce(stepper.mass.sum()) / len(stepper.shell.surface.points)
+    damping = 0.5 * np.sqrt(plan.grip * mass)
+    hands = Hands(stepper, "waist", _lift(start, plan.pull, drop), plan.grip, damping)
+    _go(stepper, start + plan.pull, every, lambda: watch("pull", stepper))
+
+    # (c) and (d)
+    correction.allowed[:] = reach
+    correction.friction = law
+    belt = Belt(stepper, "waist")
+    begin = stepper.time
+
+    def tighten():
+        belt.tension = tension * min(1.0, (stepper.time - begin) / plan.belt)
+        hands.hold = min(1.0, max(0.0, 1 - (stepper.time - begin - plan.belt) / plan.release))
+        watch("belt", stepper)
+
+    _go(stepper, begin + plan.belt + plan.release, 0.01, tighten)
+    belt.tension = tension
+    stepper.pulls.remove(hands)
+    while stepper.time < wearer.start - 1e-9 and speed(stepper) > plan.quiet:
+        _go(stepper, min(stepper.time + 0.1, wearer.start), every, lambda: watch("settle", stepper))
+    report = {"seconds": stepper.time - start, "speed": speed(stepper)}
+    report |= {"settled": report["speed"] <= plan.quiet} | fit(stepper, touch, belt)
+    stepper.time, stepper.drag = wearer.start, drag
+    return belt, report
+
+
+def fit(stepper, touch, belt):
+    """How the garment sits: depth in the body, stretch, what the belt does; on all ranks.
+
+    `belt_tension` is measured on the body: the normal force of a closed cable is tension times its
+    turning angle, summed around. `stretch` is the largest elongation of a cell edge more than two
+    cells away from the belt.
+    """
+    shell, correction = stepper.shell, touch.correction
+    comm, surface = shell.comm, shell.surface
+    ring = Ring(stepper, "waist")
+    correction.reset()
+    stepper.advance(stepper.time + 200 * stepper.dt)
+    x = ring.look(stepper)
+    force = np.zeros_like(x)
+    force[ring.mine] = correction.window.impulse[ring.own] / correction.window.seconds
+    force = comm.allreduce(force)
+    along = np.roll(x, -1, axis=0) - x
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    inward = along - np.roll(along, 1, axis=0)
+    bend = np.linalg.norm(inward, axis=1)
+    outward = -inward / np.maximum(bend, 1e-12)[:, None]
+    tension = float(np.sum(force * outward) / bend.sum())
+    depth = max(correction.max_depth, 0.0)
+    return {
+        "depth": max(comm.allgather(depth)),
+        "stretch": float(elongation(shell.positions(), surface).max()),
+        "belt_asked": belt.tension,
+        "belt_tension": tension,
+        "pinched": comm.allreduce(correction.pinched),
+    }
+
+
+def elongation(positions, surface, away=2):
+    """Elongation (k,) of the cell edges more than `away` cells from the waist."""
+    cells = surface.cells[:, :4]
+    near = np.zeros(len(surface.points), bool)
+    near[np.unique(surface.edges["waist"])] = True
+    for _ in range(away):
+        near[np.unique(cells[near[cells].any(axis=1)])] = True
+    pairs = np.concatenate([np.stack([cells, np.roll(cells, -1, axis=1)], 2).reshape(-1, 2)])
+    pairs = pairs[~near[pairs].any(axis=1)]
+    now = np.linalg.norm(np.diff(positions[pairs], axis=1)[:, 0], axis=1)
+    rest = np.linalg.norm(np.diff(surface.points[pairs], axis=1)[:, 0], axis=1)
+    return now / rest - 1
+
+
+def speed(stepper):
+    """Root mean square speed of the cloth [m/s], on every rank."""
+    sums = np.array([stepper.mass @ np.sum(stepper.v**2, axis=1), stepper.mass.sum()])
+    squares, mass = stepper.shell.comm.allreduce(sums)
+    return float(np.sqrt(squares / mass))
+
+
+def _lift(start, seconds, height):
+    """Shift and velocity from `height` below to 0, along the polynomial of least jerk."""
+
+    def places(time):
+        s = min(max((time - start) / seconds, 0.0), 1.0)
+        rise = s**3 * (10 - 15 * s + 6 * s * s) - 1
+        rate = 30 * s * s * (1 - s) ** 2 / seconds
+        up = np.array([0.0, 0.0, height])
+        return rise * up, rate * up
+
+    return places
+
+
+def _go(stepper, until, every, watch):
+    """Advance in parts of about `every` [s], calling watch after each."""
+    parts = max(1, int(np.ceil((until - stepper.time) / every - 1e-9)))
+    for time in np.linspace(stepper.time, until, parts + 1)[1:]:
+        stepper.advance(time)
+        watch()

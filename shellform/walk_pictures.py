@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pictures of a dressed wearer: dressing, key frames, torque and an animation, Figs. 7, 8, 10.
+
+Drawn from the files of a run and the wearer's motion; matplotlib only.
+"""
+
+import xml.etree.ElementTree as xml
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from .pictures import (
+    BACK,
+    CLOTH,
+    draw_surfaces,
+    ellipsoid_facets,
+    new_figure,
+    save_animation,
+    save_figure,
+    smooth,
+    view_axes,
+)
+
+SKIN, FLOOR = "#d8a48f", "#cfd3cc"
+COLOURS = ("#1b6ca8", "#c2452d", "#3c8d40", "#8054a2")
+VIEW = (-62.0, 10.0)
+
+
+class Frame(NamedTuple):
+    """Cloth at a time: time [s], points (n, 3) [m], directors (n, 3), cells (m, 3 | 4 | 9)."""
+
+    time: float
+    points: np.ndarray
+    directors: np.ndarray
+    cells: np.ndarray
+
+
+def read_frames(folder, name="series"):
+    """Frames of a series in the order of their times."""
+    import meshio
+
+    folder = Path(folder)
+    frames = []
+    for entry in xml.parse(folder / f"{name}.pvd").getroot().iter("DataSet"):
+        mesh = meshio.read(folder / entry.get("file"))
+        time, cells = float(entry.get("timestep")), mesh.cells[0].data
+        frames.append(Frame(time, mesh.points, mesh.point_data["director"], cells))
+    return sorted(frames, key=lambda frame: frame.time)
+
+
+def draw_clothed(axes, frame, wearer, view=VIEW, parts=2, without=()):
+    """Draw a frame on the wearer; `without` names ellipsoids to leave out."""
+    pose = wearer.new_pose(frame.time)
+    shown = [k for k, name in enumerate(wearer.names) if name not in without]
+    skin = [ellipsoid_facets(pose.centres[k], pose.axes[k], wearer.radii[k], 24) for k in shown]
+    if frame.cells.shape[1] == 4:
+        facets, sides = smooth(frame.points, frame.directors, frame.cells, parts)
+    else:
+        facets, sides = frame.points[frame.cells[:, :3]], None
+    size = np.linalg.norm(facets[:, 2] - facets[:, 0], axis=1).mean() * parts
+    # cells are flat and the body is round: cloth wins where they are this close
+    solids = [(patch, None, SKIN, SKIN, 0.7 * size) for patch in skin]
+    draw_surfaces(axes, [(facets, sides, CLOTH, BACK, 0.0), *solids], *view)
+    return np.concatenate([frame.points, *(patch.reshape(-1, 3) for patch in skin)])
+
+
+def fit_view(axes, corners, view=VIEW, margin=0.03):
+    """Set the limits of axes to corners (n, 3) [m]."""
+    right, up, _ = view_axes(*view)
+    for put, direction in ((axes.set_xlim, right), (axes.set_ylim, up)):
+        along = corners @ direction
+        put(along.min() - margin, along.max() + margin)
+
+
+def draw_box(axes, corner, size, view=VIEW):
+    """A box from its lowest corner (3,) and its size (3,), drawn behind all else."""
+    from matplotlib.patches import Polygon
+
+    right, up, _ = view_axes(*view)
+    x, y, z = (np.array([corner[c], corner[c] + size[c]]) for c in range(3))
+    sides = [
+        [(x[0], y[0], z[0]), (x[0], y[1], z[0]), (x[0], y[1], z[1]), (x[0], y[0], z[1])],
+        [(x[0], y[0], z[0]), (x[1], y[0], z[0]), (x[1], y[0], z[1]), (x[0], y[0], z[1])],
+        [(x[0], y[0], z[1]), (x[1], y[0], z[1]), (x[1], y[1], z[1]), (x[0], y[1], z[1])],
+    ]
+    for side, shade in zip(np.array(sides), (0.62, 0.75, 0.85), strict=True):
+        seen = np.column_stack([side @ right, side @ up])
+        axes.add_patch(Polygon(seen, facecolor=(shade,) * 3, edgecolor="0.3", lw=0.5, zorder=0))
+
+
+def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None, title=""):
+    """One figure: dressing, key frames, torque about a joint against time and frame.
+
+    Parameters
+    ----------
+    path : PNG file; wearer : Wearer
+    dressing : list of (label, Frame, names left out); key_frames : list of Frame
+    curves : list of (label, times (k,) [s], torque (k,) [N m]); joint : str
+    obstacle : (corner (3,), size (3,)) [m] or None
+    """
+    from matplotlib.figure import Figure
+
+    rows = 3
+    figure = Figure(figsize=(15, 13), layout="constrained")
+    figure.suptitle(title, fontsize=13)
+    above, middle, below = figure.subfigures(rows, 1, height_ratios=(1, 1.15, 0.9))
+    above.suptitle("Dressing", fontsize=10)
+    panels = above.subplots(1, len(dressing), squeeze=False)[0]
+    for axes, (label, frame, without) in zip(panels, dressing, strict=True):
+        corners = draw_clothed(axes, frame, wearer, (-50.0, 10.0), without=without)
+        fit_view(axes, corners, (-50.0, 10.0))
+        axes.set_title(label, fontsize=9)
+    rate = wearer.recording.rate
+    middle.suptitle("Key frames, with their numbers", fontsize=10)
+    panels = middle.subplots(1, len(key_frames), squeeze=False)[0]
+    for axes, frame in zip(panels, key_frames, strict=True):
+        corners = draw_clothed(axes, frame, wearer)
+        centre = corners.mean(axis=0)
+        if obstacle is not None:
+            corner, size = obstacle
+            if abs(corner[0] + 0.5 * size[0] - centre[0]) < 0.6:
+                draw_box(axes, corner, size)
+        right, up, _ = view_axes(*VIEW)
+        axes.set_xlim(centre @ right - 0.55, centre @ right + 0.55)
+        axes.set_ylim(corners[:, 2].min() * up[2] - 0.25, 1.35)
+        axes.set_title(f"{frame_number(frame.time, rate)}", fontsize=9, y=-0.06)
+    axes = below.subplots()
+    for (label, times, torque), colour in zip(curves, COLOURS, strict=False):
+        axes.plot(times, torque, lw=1.2, label=label, color=colour)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(f"torque about the {joint.replace('_', ' ')} [N m],\nflexion positive")
+    axes.axhline(0, color="0.6", lw=0.6)
+    for frame in key_frames:
+        axes.axvline(frame.time, color="0.85", lw=0.8, zorder=0)
+    axes.legend(frameon=False)
+    twin = axes.secondary_xaxis("top", functions=(lambda t: t * rate, lambda number: number / rate))
+    twin.set_xlabel("frame")
+    save_figure(figure, Path(path))
+
+
+def frame_number(time, rate):
+    """Number of the frame of the recording at a time [s]."""
+    return round(time * rate)
+
+
+def walk_animation(path, wearer, frames, seconds, obstacle=None):
+    """GIF of a walk, the camera moving along; `seconds` between frames."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    images = []
+    right = view_axes(*VIEW)[0]
+    for frame in frames:
+        figure = Figure(figsize=(4, 5), dpi=70)
+        FigureCanvasAgg(figure)
+        axes = figure.add_axes((0, 0, 1, 1))
+        corners = draw_clothed(axes, frame, wearer, parts=1)
+        if obstacle is not None:
+            draw_box(axes, *obstacle)
+        centre = corners.mean(axis=0)
+        axes.set_xlim(centre @ right - 0.6, centre @ right + 0.6)
+        axes.set_ylim(-0.15, 1.35)
+        axes.set_axis_off()
+        figure.canvas.draw()
+        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
+    save_animation(images, Path(path), seconds)
+
+
+def torque_figure(path, torques, joints, title=""):
+    """Flexion torque and power of all joints, a column a joint.
+
+    torques : list of (label, rows as of torque.csv)
+    """
+    figure, grid = new_figure(1, (14, 5), title, columns=len(joints))
+    for axes, joint in zip(np.atleast_1d(grid), joints, strict=True):
+        for (label, rows), colour in zip(torques, COLOURS, strict=False):
+            own = [(row["time"], row["torque_flexion"]) for row in rows if row["joint"] == joint]
+            axes.plot(*np.transpose(own), lw=0.9, label=label, color=colour)
+        axes.set_title(joint.replace("_", " "), fontsize=9)
+        axes.axhline(0, color="0.6", lw=0.6)
+        axes.set_xlabel("time [s]", fontsize=8)
+        axes.tick_params(labelsize=7)
+    np.atleast_1d(grid)[0].set_ylabel("flexion torque [N m]", fontsize=8)
+    np.atleast_1d(grid)[0].legend(frameon=False, fontsize=8)
+    save_figure(figure, Path(path))
