@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import __version__
+from . import __version__, rewind
 
 
 def save(path, stepper, touch=None):
@@ -25,17 +25,18 @@ def save(path, stepper, touch=None):
         "w": gather(stepper.owned, root=0),
         "v": gather(stepper.v, root=0),
         "q": gather(stepper.q, root=0),
-        "clock": np.array([stepper.time, stepper.dt, stepper.last_dt, stepper.critical_dt]),
-        "steps": np.array(stepper.steps),
-        "work": comm.allreduce(np.array(list(stepper.work.values()))),
-        "totals": comm.allreduce(
-            np.array([stepper.external_total, stepper.support_total, stepper.drag_total])
-        ),
+        "clock": rewind.clock(stepper),
+        "cut": np.array(stepper.rewind.cut),
+        "work": comm.allreduce(stepper.works),
+        "totals": comm.allreduce(stepper.totals),
         "version": np.array(__version__),
     }
+    if comm.allreduce(stepper.path.shape[1]):
+        here, forces = stepper.path
+        state |= {"path": gather(here, root=0), "path_forces": gather(forces, root=0)}
     if touch is not None:
-        correction, window = touch.correction, touch.correction.window
-        state["segment"] = gather(correction.segment[:, None].astype(float), root=0)
+        window = touch.correction.window
+        state |= _contact(stepper, touch)
         state["window_impulse"] = gather(window.impulse, root=0)
         state["window_table"] = comm.allreduce(window.table)
         state["window_seconds"] = np.array(window.seconds)
@@ -65,19 +66,57 @@ def load(path, stepper, touch=None):
     stepper.w[:] = state["w"][partition.nodes]
     nodes = partition.owned_nodes
     stepper.v[:], stepper.q[:] = state["v"][nodes], state["q"][nodes]
-    stepper.time, stepper.dt, stepper.last_dt, stepper.critical_dt = state["clock"].tolist()
-    stepper.steps = int(state["steps"])
+    rewind.set_clock(stepper, state["clock"])
+    stepper.rewind.cut = float(state["cut"])
     # sums over ranks live on the first one
-    for key, value in zip(stepper.work, state["work"], strict=True):
-        stepper.work[key] = float(value) if first else 0.0
-    totals = state["totals"] if first else np.zeros((3, 3))
-    stepper.external_total[:], stepper.support_total[:], stepper.drag_total[:] = totals
+    stepper.works[:] = state["work"] if first else 0.0
+    stepper.totals[:] = state["totals"] if first else 0.0
+    if stepper.path.shape[1]:
+        if "path" not in state:
+            raise ValueError(f"{path} is of steps without damping; these have damping")
+        stepper.path[:] = state["path"][nodes], state["path_forces"][nodes]
     if touch is None:
         return
     if "segment" not in state:
         raise ValueError(f"{path} holds no state of contact")
-    correction, window = touch.correction, touch.correction.window
-    correction.segment[:] = state["segment"][nodes, 0].astype(np.int64)
+    window = touch.correction.window
+    _take_contact(path, stepper, touch, state)
     window.impulse[:] = state["window_impulse"][nodes]
     window.table[:] = state["window_table"] if first else 0.0
     window.seconds = float(state["window_seconds"])
+
+
+def _contact(stepper, touch):
+    """Segments touched, in the surface's numbering: by nodes, and by cells that have samples."""
+    partition = stepper.shell.partition
+    segment = touch.correction.segment[:, None].astype(float)
+    whole = {"segment": partition.gather(segment, root=0)}
+    if touch.inner is not None:
+        cells = partition.nodes[touch._cells]
+        parts = stepper.shell.comm.gather((cells, _by_cell(touch)), 0)
+        if parts is not None:
+            whole["sample_cells"] = np.concatenate([part[0] for part in parts])
+            whole["sample_segment"] = np.concatenate([part[1] for part in parts])
+    return whole
+
+
+def _take_contact(path, stepper, touch, state):
+    """Set this rank's part of `_contact`."""
+    partition = stepper.shell.partition
+    touch.correction.segment[:] = state["segment"][partition.owned_nodes, 0].astype(np.int64)
+    if touch.inner is None:
+        return
+    kept, own = state.get("sample_segment"), _by_cell(touch)
+    if kept is None or kept.shape[1] != own.shape[1]:
+        raise ValueError(
+            f"{path} holds no contact of {own.shape[1]} samples a cell: "
+            "go on with the samples it was written with"
+        )
+    rows = {tuple(sorted(cell)): row for row, cell in enumerate(state["sample_cells"].tolist())}
+    cells = partition.nodes[touch._cells].tolist()
+    own[:] = kept[[rows[tuple(sorted(cell))] for cell in cells]]
+
+
+def _by_cell(touch):
+    """Segments touched by the samples, (cells, samples a cell): a view."""
+    return touch.inner.segment.reshape(len(touch._cells), -1)

@@ -16,11 +16,12 @@ compiled = numba.njit(cache=True, error_model="numpy")
 
 @compiled
 def kick(
-    v, q, r, force, d, held, plane, mass, inertia, drag, dt, impulse, slowed
+    v, q, r, force, d, held, plane, mass, inertia, drag, dt, impulse, work
 ):  # fmt: skip
     """Add the impulse of internal and external forces over dt to the velocities.
 
-    Held components keep their velocity; the impulse that takes is the supports'.
+    Held components keep their velocity; the impulse that takes is the supports'. Work on directors
+    is booked here, that on nodes by `book`, once contact has had its say.
 
     Parameters
     ----------
@@ -33,13 +34,8 @@ def kick(
     drag : float [1/s], decay rate of the velocities relative to still air
     dt : float [s]
     impulse : (n, 3) [N s], the supports' push on the nodes, overwritten
-    slowed : (3,), impulse of the drag on the nodes [N s], added to
-
-    Returns
-    -------
-    work over the kick [J] of internal and of external forces, and what drag took
+    work : (4,) [J], of internal and external forces, taken by drag, of supports; added to
     """
-    inner = outer = lost = 0.0
     keep = (1.0 - 0.5 * dt * drag) / (1.0 + 0.5 * dt * drag)
     gain = dt / (1.0 + 0.5 * dt * drag)
     for i in range(v.shape[0]):
@@ -48,29 +44,68 @@ def kick(
         for k in range(3):
             out += (r[i, 3 + k] - along * d[i, k]) * plane[i, k]
         for k in range(3):
-            old = v[i, k]
             if held[i, k]:
                 impulse[i, k] = dt * (r[i, k] - force[i, k])
-                inner -= r[i, k] * dt * old
-                outer += force[i, k] * dt * old
             else:
                 impulse[i, k] = 0.0
-                new = keep * old + gain * (force[i, k] - r[i, k]) / mass[i]
-                v[i, k] = new
-                mean = 0.5 * dt * (old + new)
-                inner -= r[i, k] * mean
-                outer += force[i, k] * mean
-                lost += drag * mass[i] * mean * 0.5 * (old + new)
-                slowed[k] -= drag * mass[i] * mean
+                v[i, k] = keep * v[i, k] + gain * (force[i, k] - r[i, k]) / mass[i]
             if not held[i, 3]:
                 turn = r[i, 3 + k] - along * d[i, k] - out * plane[i, k]
                 old = q[i, k]
                 new = keep * old - gain * turn / inertia[i]
                 q[i, k] = new
                 mean = 0.5 * dt * (old + new)
-                inner -= turn * mean
-                lost += drag * inertia[i] * mean * 0.5 * (old + new)
-    return inner, outer, lost
+                work[0] -= turn * mean
+                work[2] += drag * inertia[i] * mean * 0.5 * (old + new)
+
+
+@compiled
+def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
+    """Book a kick whose velocities went from v_old to v, contact included.
+
+    Work is impulse . (v_old + v)/2 for every impulse: that of all of them is the change of kinetic
+    energy, to roundoff.
+
+    Parameters
+    ----------
+    v_old, v : (n, 3) [m/s], before the kick and when all have had their say
+    free : (n, 3) [m/s], just after `kick`: tells what drag took
+    r, force, held, mass, drag, dt, impulse, work : see kick
+    totals : (3, 3) [N s], rows: impulses of loads, supports and drag on the nodes; added to
+    """
+    for i in range(v.shape[0]):
+        for k in range(3):
+            mean = 0.5 * (v_old[i, k] + v[i, k])
+            work[0] -= r[i, k] * dt * mean
+            work[1] += force[i, k] * dt * mean
+            work[3] += impulse[i, k] * mean
+            totals[0, k] += force[i, k] * dt
+            totals[1, k] += impulse[i, k]
+            if drag > 0.0 and not held[i, k]:
+                slowed = drag * mass[i] * dt * 0.5 * (v_old[i, k] + free[i, k])
+                work[2] += slowed * mean
+                totals[2, k] -= slowed
+
+
+@compiled
+def along_path(y, r, y_old, r_old):
+    """Trapezoidal work of the forces r on the way from y_old to y, which then take their place."""
+    work = 0.0
+    for i in range(y_old.shape[0]):
+        for k in range(6):
+            work += 0.5 * (r[i, k] + r_old[i, k]) * (y[i, k] - y_old[i, k])
+            y_old[i, k], r_old[i, k] = y[i, k], r[i, k]
+    return work
+
+
+@compiled
+def work_over(force, v_old, v, dt):
+    """Work [J] of forces (n, 3) over dt while velocities go from v_old to v (n, 3)."""
+    work = 0.0
+    for i in range(force.shape[0]):
+        for k in range(3):
+            work += force[i, k] * 0.5 * dt * (v_old[i, k] + v[i, k])
+    return work
 
 
 @compiled

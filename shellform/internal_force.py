@@ -32,12 +32,12 @@ class InternalForce:
     r : (n_local, 6) float, forces work-conjugate to (u, d) [N, N m]; valid on owned nodes
     """
 
-    def __init__(self, shell):
-        self.shell = shell
+    def __init__(self, shell, damped=False):
+        self.shell, self.damped = shell, damped
         self._result = fem.Function(shell.space)
         self.r = self._result.x.array.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
-        self._quads, self._packed = None, []
+        self._quads, self._packed, self._rates = None, [], None
         if by_segments(shell):
             forms, self._quads = [], self._bake()
         else:
@@ -53,6 +53,9 @@ class InternalForce:
         dofs = shell.space.dofmap.list.array.reshape(-1, width // 6)
         self._index = (6 * dofs[:, :, None] + np.arange(6)).reshape(-1, width)
         self._cells = np.empty(self._index.shape)
+        if damped and self._quads is None:
+            self._rates = np.empty(self._index.shape)
+        self._pressure_form = self._forms[-1] if self._pressure is not None else None
         self._packed = [self._pack(form) for form in self._forms]
 
     def _strain_forms(self):
@@ -63,7 +66,10 @@ class InternalForce:
             for term in terms:
                 strain = term.strain(shell.configuration(shell.w))
                 virtual = expand_derivatives(ufl.derivative(strain, shell.w, v))
-                work += term.product(shell.strain(term.strain, shell.w), virtual) * dx
+                present = shell.strain(term.strain, shell.w)
+                if self.damped:
+                    present += expand_derivatives(ufl.derivative(strain, shell.w, shell.step))
+                work += term.product(present, virtual) * dx
             forms.append(work)
         return forms
 
@@ -78,36 +84,56 @@ class InternalForce:
         return points, cells, *quad_force.baked(points, directors, cells, warp, shell.fabric)
 
     def _pack(self, form):
-        """Constants, coefficients and the columns of the latter that hold w."""
-        w = self.shell.w.x.array
-        kept = w.copy()
-        # mark w with numbers that no other coefficient holds, to find its columns
-        w[:] = 1e9 + np.arange(len(w))
+        """Constants, coefficients, and the columns of the latter that hold w and its rates."""
+        shell = self.shell
         coefficients = cpp.fem.pack_coefficients(form)
         ((key, values),) = coefficients.items()
-        first = int(np.flatnonzero(values[0] >= 1e9)[0])
-        w[:] = kept
-        columns = values[:, first : first + self._index.shape[1]]
-        if not np.array_equal(columns, 1e9 + self._index):
-            raise RuntimeError("the packed coefficients of the form are not laid out as expected")
-        return cpp.fem.pack_constants(form), {key: values}, columns
+        columns = self._columns(form, shell.w, values)
+        rates = None
+        if self._rates is not None and form is not self._pressure_form:
+            rates = self._columns(form, shell.step, values)
+        return cpp.fem.pack_constants(form), {key: values}, columns, rates
 
-    def __call__(self, w, pressure=0.0):
+    def _columns(self, form, function, values):
+        """Columns of the packed coefficients `values` that hold a function's cell values."""
+        array = function.x.array
+        kept = array.copy()
+        # numbers that no other coefficient holds
+        array[:] = 1e9 + np.arange(len(array))
+        ((_, marked),) = cpp.fem.pack_coefficients(form).items()
+        array[:] = kept
+        first = int(np.flatnonzero(marked[0] >= 1e9)[0])
+        columns = slice(first, first + self._index.shape[1])
+        if not np.array_equal(marked[:, columns], 1e9 + self._index):
+            raise RuntimeError("the packed coefficients of the form are not laid out as expected")
+        return values[:, columns]
+
+    def __call__(self, w, pressure=0.0, ahead=None):
         """Compute the forces at the nodal field w (n_local, 6), ghosts valid; returns `r`.
 
-        The force of a follower pressure [Pa] is taken off where the shell has any.
+        The force of a follower pressure [Pa] is taken off where the shell has any. `ahead`, used
+        where the object is made to be damped: w plus its rates times the time of the damping.
         """
         if self._pressure is not None:
             self._pressure.value = pressure
             self._packed[-1][0][:] = cpp.fem.pack_constants(self._forms[-1])
         flat = self._result.x.array
         flat[:] = 0.0
+        w = w.reshape(-1, 6)
+        damped = self.damped and ahead is not None
+        ahead = ahead.reshape(-1, 6) if damped else w
         if self._quads is not None:
-            quad_force.add_force(w.reshape(-1, 6), *self._quads, self.r)
+            quad_force.add_force(w, ahead, damped, *self._quads, self.r)
         if self._forms:
             np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
-        for form, (constants, coefficients, columns) in zip(self._forms, self._packed, strict=True):
+        if self._rates is not None:
+            np.take(ahead.reshape(-1), self._index, out=self._rates, mode="clip")
+            self._rates -= self._cells
+        for form, packed in zip(self._forms, self._packed, strict=True):
+            constants, coefficients, columns, rates = packed
             columns[:] = self._cells
+            if rates is not None:
+                rates[:] = self._rates
             cpp.fem.assemble_vector(flat, form, constants, coefficients)
         if self._parallel:
             self._result.x.scatter_reverse(la.ScatterMode.add)

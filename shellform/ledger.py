@@ -2,9 +2,20 @@
 """The ledger of a run: momentum, energy and contact forces at every output time, ledger.csv.
 
 Momentum closes step by step: m v(n+1/2) - m v(0) is the sum of the impulses of loads, supports,
-drag and contact. What is left over is the column `momentum_residual`, roundoff. Energy is given as
-it is at the output time; `energy_residual` is what the sum of all its changes leaves over, which is
-stiffness damping if there is any, and the error of the time steps.
+drag and contact. What is left over is the column `momentum_residual`, roundoff. Energies and works
+are given at the output time. The work of all forces is the change of kinetic energy to roundoff;
+the internal ones take the change of strain energy, `damping_loss` by stiffness damping, and the
+error of the time steps, which is `energy_residual`:
+
+    kinetic + strain - start = external + support + body - friction - impact - drag - damping
+                               + energy_residual.
+
+Works and losses add up from the start, those of contact from the row before. Supports that move are
+booked with their velocity of the last half step, an error of first order.
+
+damping_loss is exact for particles; for a shell see Newmark.balance: exact where forces are linear,
+else off by an error of the size of energy_residual. The work of a follower pressure is booked with
+the internal forces, so with one of these energy_residual (undamped) or damping_loss holds it too.
 """
 
 from pathlib import Path
@@ -20,7 +31,7 @@ class Ledger:
     Parameters
     ----------
     path : CSV file, written by rank 0; None: rows are only returned
-    stepper : Newmark
+    stepper : Newmark or ImplicitNewmark
     touch : Touch or None
 
     Attributes
@@ -32,22 +43,22 @@ class Ledger:
         self.stepper, self.touch, self.rows = stepper, touch, []
         self._path = None if path is None or stepper.shell.comm.rank else Path(path)
         self._contact, self._contact_work = np.zeros(3), 0.0
-        self._start = (self._momentum(), *self._energies())
+        self._start = (self._momentum(), stepper.balance())
         if self._path:
             self._path.unlink(missing_ok=True)
 
     def record(self):
         """Append a row for the present time and begin a new window of contact; all ranks call."""
         stepper, comm = self.stepper, self.stepper.shell.comm
-        kinds = ("external", "support", "drag")
-        work = comm.allreduce(np.array([stepper.work[kind] for kind in kinds]))
+        start, now = self._start[1], stepper.balance()
         impulses = comm.allreduce(
             np.array([stepper.external_total, stepper.support_total, stepper.drag_total])
         )
         momentum = self._momentum()
-        kinetic, strain = self._energies()
-        row = {"time": stepper.time, "kinetic": kinetic, "strain": strain}
-        row |= {"external_work": work[0], "support_work": work[1], "drag_loss": work[2]}
+        row = {"time": stepper.time, "kinetic": now["kinetic"], "strain": now["strain"]}
+        change = {kind: now[kind] - start[kind] for kind in now}
+        row |= {"external_work": change["external"], "support_work": change["support"]}
+        row |= {"drag_loss": change["drag"], "damping_loss": change["damping"]}
         friction = impact = moved = 0.0
         if self.touch is not None:
             correction = self.touch.correction
@@ -65,13 +76,14 @@ class Ledger:
             correction.reset()
         row |= {"body_work": moved, "friction_loss": friction, "impact_loss": impact}
         self._contact_work += moved - friction - impact
-        change = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
+        left = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
         for k in range(3):
             row[f"momentum_{AXES[k]}"] = momentum[k]
             row[f"support_impulse_{AXES[k]}"] = impulses[1, k]
-        row["momentum_residual"] = float(np.linalg.norm(change))
-        gain = kinetic + strain - self._start[1] - self._start[2]
-        row["energy_residual"] = gain - work[0] - work[1] + work[2] - self._contact_work
+        row["momentum_residual"] = float(np.linalg.norm(left))
+        gain = change["kinetic"] + change["strain"] - self._contact_work
+        given = change["external"] + change["support"] - change["drag"] - change["damping"]
+        row["energy_residual"] = gain - given
         self.rows.append(row)
         if self._path:
             first = len(self.rows) == 1
@@ -82,10 +94,6 @@ class Ledger:
     def _momentum(self):
         stepper = self.stepper
         return stepper.shell.comm.allreduce(stepper.mass @ stepper.v)
-
-    def _energies(self):
-        stepper = self.stepper
-        return stepper.momenta()[2], sum(stepper.shell.energy().values())
 
 
 def _line(row):

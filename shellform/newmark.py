@@ -13,17 +13,19 @@ proportional to the rate of strain that leaves every translation undamped; `drag
 motion as still air does.
 """
 
-from mpi4py import MPI
-
 import numpy as np
 
 from dolfinx import fem
 
 from . import explicit
-from .director import logarithmic_map, tangent_frames
+from .guided import conditions, follow
 from .inertia import ROTARY_SCALE
 from .internal_force import InternalForce
+from .rewind import Rewind
+from .stable_step import stable_step
 from .stepper import Stepper, Unstable
+
+WORKS = ("internal", "external", "drag", "support", "path")
 
 
 class Newmark(Stepper):
@@ -38,13 +40,23 @@ class Newmark(Stepper):
     Attributes
     ----------
     v, q : velocities at the last half step
-    work : dict of sums [J]: internal, external, drag (lost), support
+    pulls : list of callables (stepper, force), run at every kick and whenever velocities are asked
+        for, with positions and `time` of the kick: they add forces that depend on them to `force`
+        (n_owned, 3) [N] and change nothing else. Booked as external.
+    work : dict of sums [J] on this rank to the last half step: internal, external, drag (lost),
+        support; path: of damped forces on their way, see `balance`
     external_total, support_total, drag_total : (3,) float, impulses of loads, supports and drag on
         the owned nodes so far [N s]
+    works (5,), totals (3, 3) : the memory of `work` and of the three impulses
+    r : (n_owned, 6), internal forces of the last kick [N, N m]
     critical_dt, last_dt : float [s], largest stable step when last looked at; the last step taken
+    rewind : Rewind, which cuts back steps that diverge in `advance`
+    held : (n_owned, 4) bool, u_x, u_y, u_z and the whole director
+    plane : (n_owned, 3), normal a director may not turn towards, zero where none
     """
 
-    recheck = 500  # steps between looks at the stable step
+    recheck = 500  # steps between looks at the stable step and at the energy
+    watch = 50  # steps between questions among ranks whether all are finite
 
     def __init__(
         self,
@@ -69,178 +81,216 @@ class Newmark(Stepper):
         self.internal, self.factor = internal, time_step_factor
         self.damping, self.drag = damping, drag
         self.force, self.support_impulse = np.zeros((n, 3)), np.zeros((n, 3))
-        self._steady = loads.steady()
-        loads.force_at(0.0, self.force, default=1.0)
-        self.support_total, self.external_total = np.zeros(3), np.zeros(3)
-        self.drag_total = np.zeros(3)
-        self.last_dt = 0.0
-        self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
-        self._cell = self.shell.surface.mean_cell_size
+        self._steady, self.pulls, self._pulled = loads.steady(), [], False
+        self._dead = loads.force_at(0.0, self.force, default=1.0).copy()
+        self.totals, self.works = np.zeros((3, 3)), np.zeros(5)
+        self.external_total, self.support_total, self.drag_total = self.totals
+        self.v_old, self._free = self.v.copy(), self.v.copy()
+        # ends of the way that damped forces have worked on, and the flag that there is one
+        self.path = np.zeros((2, n if damping else 0, 6))
+        self.last_dt, self.on_path = 0.0, False
+        self.fault, self.moved_sum, self._length = None, 0.0, 0.0
+        self.rewind = Rewind(self)
         self.critical_dt = self.find_stable_step()
         self.dt = self.factor * self.critical_dt
+        # motion far below what any step resolves: energies below this are not judged
+        speed = 1e-6 * self.shell.surface.mean_cell_size / self.critical_dt
+        self.smallest_energy = 0.5 * self.shell.comm.allreduce(self.mass.sum()) * speed**2
 
     def _set_supports(self):
-        supports, n = self.shell.supports, self.n_owned
-        if self.shell.comm.allreduce(bool(supports.inclined.any()), op=MPI.LOR):
-            raise ValueError("explicit steps hold displacements along x, y, z only")
-        if supports.steady_goals():
-            raise ValueError("in dynamics a prescribed displacement is a function of time")
+        supports = self.shell.supports
+        self.held, self.plane = conditions(supports, self.n_owned, self.shell.comm)
         self._moving = bool(supports.motions)
-        held = supports.held[:n]
-        plane = np.nan_to_num(supports.plane[:n])
-        self._held = np.column_stack([held[:, :3], held[:, 3] & held[:, 4]])
-        self._plane = np.where(held[:, 4:] & ~held[:, 3:4], plane, 0.0)
-        self._supported = bool(self._held.any() or self._plane.any())
+
+    @property
+    def work(self):
+        return dict(zip(WORKS, self.works.tolist(), strict=True))
+
+    def advance(self, until):
+        """Step until a time [s] is reached exactly; steps that diverge are cut back.
+
+        Raises
+        ------
+        Unstable, on all ranks, when smaller steps diverge too; the last good state is restored
+        """
+        if until <= self.time:
+            return
+        self.rewind.begin((until - self.time) / self.dt)
+        while self.time < until:
+            try:
+                super().advance(until)
+                self.rewind.end()
+            except Unstable as fault:
+                self.rewind.back(fault)
 
     def step(self, dt):
         """One step of length dt [s]."""
-        if self.v_old is not None:
-            np.copyto(self.v_old, self.v)
-        self._next = dt
-        self.kick(0.5 * (self.last_dt + dt))
+        np.copyto(self.v_old, self.v)
+        self._next, self._length = dt, 0.5 * (self.last_dt + dt)
+        self.kick(self._length)
         for hook in self.hooks:
-            hook(self, dt)
-        total = explicit.drift(self.owned, self.v, self.q, dt)
+            try:
+                hook(self, dt)
+            except FloatingPointError as fault:
+                self.fault = str(fault)  # other ranks learn of it at the next `check`
+        self._book(self._length)
+        self.moved_sum = explicit.drift(self.owned, self.v, self.q, dt)
         self.scatter()
         self.last_dt, self.time, self.steps = dt, self.time + dt, self.steps + 1
-        self.check_finite(total, dt)
         if self.steps % self.recheck == 0:
+            self.check()
+            self.rewind.look()
             self.check_step()
+            self.rewind.keep()
+        elif self.shell.comm.size == 1:
+            if self.fault or not np.isfinite(self.moved_sum):
+                self.check()
+        elif self.steps % self.watch == 0:
+            self.check()
+
+    def check(self):
+        """Raise Unstable on all ranks if one has left the finite numbers; all ranks call."""
+        fault, self.fault = self.fault, None
+        self.check_finite(self.moved_sum, self.last_dt, fault)
 
     def check_step(self):
         """Follow the stable step as the sheet deforms: down at once, up by a tenth at most."""
         self.critical_dt = self.find_stable_step(iterations=12)
-        self.dt = min(self.factor * self.critical_dt, 1.1 * self.dt)
+        self.dt = min(self.rewind.cut * self.factor * self.critical_dt, 1.1 * self.dt)
 
     def kick(self, dt):
         """Velocities over dt by the forces at the present configuration, then the supports."""
         r = self.internal_force()
+        if self.damping:
+            self._follow_path(r)
+        turning = self._add_moments(r, self.q)
         self._update_loads()
-        inner, outer, lost = self._kick(self.v, self.q, r, dt, self.support_impulse)
-        self.work["internal"] += inner
-        self.work["external"] += outer
-        self.work["drag"] += lost
-        self.external_total += dt * self.force.sum(axis=0)
+        self.r = r
+        self._kick(self.v, self.q, r, dt, self.support_impulse, self.works)
+        if turning:
+            _book_moments(*turning, self.q, dt, self.works)
+        np.copyto(self._free, self.v)
         if self._moving:
-            self._follow(self._next)
-        if self._supported:
-            self.support_total += self.support_impulse.sum(axis=0)
+            self._follow(self._next, dt)
 
-    def _kick(self, v, q, r, dt, impulse, slowed=None):
-        return explicit.kick(
-            v, q, r, self.force, self.owned[:, 3:], self._held, self._plane, self.mass,
-            self.inertia, self.drag, dt, impulse, self.drag_total if slowed is None else slowed,
+    def _kick(self, v, q, r, dt, impulse, work):
+        explicit.kick(
+            v, q, r, self.force, self.owned[:, 3:], self.held, self.plane, self.mass,
+            self.inertia, self.drag, dt, impulse, work,
         )  # fmt: skip
 
-    def _follow(self, dt):
-        """Velocities that bring nodes of prescribed motion where they are due after dt."""
-        for local, u, d in self.shell.supports.prescribed(self.time + dt):
-            mine = local < self.n_owned
-            nodes = local[mine]
-            if u is not None:
-                old = self.v[nodes].copy()
-                self.v[nodes] = (u[mine] - self.owned[nodes, :3]) / dt
-                push = self.support_impulse[nodes] + self.mass[nodes, None] * (self.v[nodes] - old)
-                self.support_impulse[nodes] = push
-                self.work["support"] += 0.5 * np.vdot(push, self.v[nodes] + old)
-            if d is not None:
-                now = self.owned[nodes, 3:]
-                T = tangent_frames(now)
-                turn = logarithmic_map(now, T, d[mine])
-                self.q[nodes] = np.einsum("nij,nj->ni", T, turn) / dt
+    def _book(self, dt):
+        explicit.book(
+            self.v_old, self._free, self.v, self.r, self.force, self.held, self.mass, self.drag,
+            dt, self.support_impulse, self.works, self.totals,
+        )  # fmt: skip
+
+    def _follow_path(self, r):
+        """Book the work of damped forces on the way of the places where they are taken."""
+        here, forces = self.path
+        ahead = self._ahead[: self.n_owned]
+        if not self.on_path:
+            here[:], forces[:], self.on_path = ahead, r, True
+        self.works[4] += explicit.along_path(ahead, r, here, forces)
+
+    def _follow(self, dt, kicked):
+        follow(self, dt, kicked)
 
     def _update_loads(self):
         if not self._steady:
             self.force[:] = 0.0
             self.shell.loads.force_at(self.time, self.force, default=1.0)
+        elif self.pulls or self._pulled:
+            np.copyto(self.force, self._dead)
+        for pull in self.pulls:
+            pull(self, self.force)
+        self._pulled = bool(self.pulls)
 
     def internal_force(self):
-        """Internal forces (n_owned, 6) [N, N m], damped, less pressure and moments, at present."""
+        """Internal forces (n_owned, 6) [N, N m] at present, damped, less those of pressure."""
         if self.damping:
             explicit.ahead(self.owned, self.v, self.q, self.damping, self._ahead[: self.n_owned])
             self.scatter(self._field)
         loads = self.shell.loads
         pressure = loads.pressure_at(self.time, 1.0) if loads.pressures else 0.0
-        r = self.internal(self._ahead, pressure)[: self.n_owned]
-        if loads.moments:
-            nodes, moments = loads.moment_at(self.time, 1.0)
-            r[nodes, 3:] -= np.cross(moments, self.owned[nodes, 3:])
-        return r
+        return self.internal(self._ahead, pressure)[: self.n_owned]
+
+    def _add_moments(self, r, q):
+        """Take moments, fixed in space, off the internal forces r; what `_book_moments` needs."""
+        loads = self.shell.loads
+        if not loads.moments:
+            return None
+        nodes, moments = loads.moment_at(self.time, 1.0)
+        push = np.cross(moments, self.owned[nodes, 3:])
+        r[nodes, 3:] -= push
+        push[self.held[nodes, 3]] = 0.0
+        return nodes, push, q[nodes]
 
     def velocities(self):
         """Velocities (n, 3) of nodes and directors brought from the half step to the present."""
-        v, q = self.v.copy(), self.q.copy()
-        r = self.internal_force()
-        self._update_loads()
-        self._kick(v, q, r, 0.5 * self.last_dt, np.empty_like(v), np.zeros(3))
+        v, q, _ = self._present()
         return v, q
 
-    def find_stable_step(self, iterations=30):
-        """Largest stable step [s] at the present configuration, 2/omega_max with 3 % to spare.
+    def _present(self):
+        """Velocities and works (5,) at the present time: half a kick further."""
+        v, q, works = self.v.copy(), self.q.copy(), self.works.copy()
+        r = self.internal_force()
+        if self.on_path:
+            # on copies: the way itself goes on from the last kick
+            works[4] += explicit.along_path(self._ahead[: self.n_owned], r, *self.path.copy())
+        turning = self._add_moments(r, q)
+        self._update_loads()
+        impulse, dt = np.empty_like(v), 0.5 * self.last_dt
+        self._kick(v, q, r, dt, impulse, works)
+        if turning:
+            _book_moments(*turning, q, dt, works)
+        explicit.book(
+            self.v, v, v, r, self.force, self.held, self.mass, self.drag, dt, impulse, works,
+            np.zeros((3, 3)),
+        )  # fmt: skip
+        return v, q, works
 
-        omega_max is the largest Ritz value of a Lanczos run on M^-1 K; products with K are
-        differences of internal forces, so no matrix is made.
+    def balance(self):
+        """See Stepper; internal: the work of internal forces on nodes and directors.
+
+        Damping is what that work took beyond strain energy, less the error of the steps: by how
+        much the trapezoidal work of the forces, on the way of the places where they are taken,
+        misses the strain energy there. It is exact where forces are linear.
         """
-        comm, n = self.shell.comm, self.n_owned
-        scale = np.concatenate(
-            [np.tile(self.mass[:, None], 3), np.tile(self.inertia[:, None], 3)], 1
-        )
-        root = np.sqrt(scale)
-        base, d = self.owned.copy(), self.owned[:, 3:].copy()
-        r = self.internal(self.w)[:n].copy()
-        pull = np.sum(r[:, 3:] * d, axis=1, keepdims=True)
+        v, q, works = self._present()
+        comm, owned = self.shell.comm, self.owned
+        moving = np.empty(7)
+        explicit.momenta(owned, self.points, v, q, self.mass, self.inertia, moving)
+        sums = comm.allreduce(np.array([*works, moving[6]]))
+        now = dict(zip((*WORKS, "kinetic"), sums.tolist(), strict=True))
+        now["strain"] = sum(self.strain_energy().values())
+        return now | {"damping": self._damping_loss(now, v)}
 
-        def admissible(y):
-            y[:, :3][self._held[:, :3]] = 0.0
-            y[:, 3:][self._held[:, 3]] = 0.0
-            y[:, 3:] -= np.sum(y[:, 3:] * d, axis=1, keepdims=True) * d
-            y[:, 3:] -= np.sum(y[:, 3:] * self._plane, axis=1, keepdims=True) * self._plane
-            return y
+    def _damping_loss(self, now, v):
+        """What stiffness damping took so far [J], up to a constant, by the figures of `balance`."""
+        if not self.damping:
+            return 0.0
+        kept = self.w.copy()
+        self.w[:] = self._ahead  # there since the velocities were brought to the present
+        ahead = sum(self.strain_energy().values())
+        self.w[:] = kept
+        return ahead - now["path"] - now["strain"] - now["internal"]
 
-        def dot(a, b):
-            return comm.allreduce(float(np.vdot(a, b)))
-
-        def product(y):
-            y = y / root
-            size = comm.allreduce(
-                max(np.abs(y[:, :3]).max() / self._cell, np.abs(y[:, 3:]).max()), MPI.MAX
-            )
-            h = 1e-6 / size
-            sides = []
-            for sign in (1, -1):
-                self.owned[:] = base + sign * h * y
-                self.scatter()
-                sides.append(self.internal(self.w)[:n].copy())
-            z = (sides[0] - sides[1]) / (2 * h)
-            z[:, 3:] -= pull * y[:, 3:]
-            return admissible(z) / root
-
-        # the same start on any number of ranks
-        whole = np.random.default_rng(0).standard_normal((len(self.shell.surface.points), 6))
-        y = admissible(whole[self.shell.partition.owned_nodes])
-        y /= np.sqrt(dot(y, y))
-        previous, beta, alphas, betas = np.zeros_like(y), 0.0, [], []
-        for _ in range(iterations):
-            z = product(y) - beta * previous
-            alphas.append(dot(y, z))
-            z -= alphas[-1] * y
-            beta = np.sqrt(dot(z, z))
-            if beta <= 1e-12 * abs(alphas[0]):
-                break
-            betas.append(beta)
-            previous, y = y, z / beta
-        self.owned[:] = base
-        self.scatter()
-        k = len(alphas)
-        values = np.linalg.eigvalsh(
-            np.diag(alphas) + np.diag(betas[: k - 1], 1) + np.diag(betas[: k - 1], -1)
-        )
-        if not values[-1] > 0:
+    def find_stable_step(self, iterations=30):
+        """Largest stable step [s] at the present configuration, see stable_step.py."""
+        try:
+            return stable_step(self, iterations)
+        except ArithmeticError:
             raise Unstable(
                 f"the stiffness of {self.shell.surface.source} has no positive eigenvalue"
-            )
-        tau = self.damping
-        return 0.97 * float(np.sqrt(tau**2 + 4 / values[-1]) - tau)
+            ) from None
+
+
+def _book_moments(nodes, push, old, q, dt, works):
+    """Take the work of moments on directors (push, force-like (k, 3)) off that of the sheet."""
+    work = 0.5 * dt * np.vdot(push, old + q[nodes])
+    works[0] -= work
+    works[1] += work
 
 
 def check_settings(time_step_factor, damping, drag):

@@ -13,8 +13,8 @@ Directors are the surface's normals, brought up to date at output.
 import numba
 import numpy as np
 
+from .explicit import work_over
 from .newmark import Newmark, check_settings
-from .shell import Shell
 from .springs import Springs
 from .stepper import Stepper
 
@@ -22,8 +22,14 @@ compiled = numba.njit(cache=True, error_model="numpy")
 
 
 @compiled
-def limit(x, w, v, dt, pairs, rest, count, bound, slack, sweeps, mass, fixed, shift, impulse):
-    """Change velocities so that springs end the step below bound; returns work and support's."""
+def limit(
+    x, w, v, dt, pairs, rest, count, bound, slack, sweeps, mass, fixed, shift, impulse, r, kicked
+):  # fmt: skip
+    """Change velocities v so that springs end the step below bound.
+
+    What held ends pass on is added to the supports' impulse; what nodes get is taken off the
+    internal forces r that have kicked them over `kicked` seconds, so that it is booked with these.
+    """
     shift[:] = 0.0
     d = np.empty(3)
     moved = False
@@ -53,33 +59,11 @@ def limit(x, w, v, dt, pairs, rest, count, bound, slack, sweeps, mass, fixed, sh
                     impulse[j, c] += push * d[c] / dt
         if worst <= slack:
             break
-    work = 0.0
     if moved:
         for i in range(len(mass)):
             for c in range(3):
-                new = v[i, c] + shift[i, c] / dt
-                work += 0.5 * mass[i] * (new - v[i, c]) * (new + v[i, c])
-                v[i, c] = new
-    return work
-
-
-class _SpringShell(Shell):
-    """The state, supports and loads of a shell, with the energy of springs."""
-
-    def __init__(self, shell, springs):
-        self.__dict__.update(shell.__dict__)
-        self._springs = springs
-
-    def energy(self):
-        """Strain energy [J] by kind of spring."""
-        return self._springs.energy(self.w.x.array.reshape(-1, 6))
-
-    def forms(self):
-        raise ValueError("a particle model has springs, not forms; use the shell it was made from")
-
-    def plan(self):
-        """What is modelled."""
-        return {"element": "particles", "terms": ["structural", "shear", "flexion"], "loads": {}}
+                v[i, c] += shift[i, c] / dt
+                r[i, c] -= mass[i] * shift[i, c] / (dt * kicked)
 
 
 class Particles(Newmark):
@@ -114,18 +98,35 @@ class Particles(Newmark):
         points = np.ascontiguousarray(partition.surface.points[partition.owned_nodes])
         springs = Springs(shell.surface, self._cells, points, shell.fabric, bending, curvature)
         # not Newmark's own start, which compiles the shell's force
-        Stepper.__init__(self, _SpringShell(shell, springs), hooks, 0.0, prefix)
+        Stepper.__init__(self, shell, hooks, 0.0, prefix)
         self._shift = np.zeros((self.n_owned, 3))
         self._set_supports()
-        self._held[:, 3], self._plane[:] = True, 0.0
-        self._fixed = self._held[:, :3].any(axis=1)
+        self.held[:, 3], self.plane[:] = True, 0.0
+        self._fixed = self.held[:, :3].any(axis=1)
         self.strain_limit, self._sweeping = strain_limit, (limit_slack, limit_sweeps)
         self._side = np.sign(np.sum(self._normals()[0] * self.owned[:, 3:], axis=1))[:, None]
         self._start(springs, time_step_factor, damping, drag)
 
+    def strain_energy(self):
+        """Strain energy [J] by kind of spring."""
+        return self.internal.energy(self.w)
+
     def internal_force(self):
         """Forces of the springs (n, 6) [N], damped, at present."""
         return self.internal(self.owned, self.v, self.damping)
+
+    def _follow_path(self, r):
+        pass  # what damping takes is booked spring by spring
+
+    def _book(self, dt):
+        super()._book(dt)
+        if self.damping:
+            self.works[4] += work_over(self.internal.viscous, self.v_old, self.v, dt)
+
+    def _damping_loss(self, now, v):
+        if not self.damping:
+            return 0.0
+        return now["path"] + work_over(self.internal.viscous, self.v, v, 0.5 * self.last_dt)
 
     def find_stable_step(self, iterations=30):
         """See Newmark; buckling springs count with the slope they start with, on both sides."""
@@ -140,17 +141,15 @@ class Particles(Newmark):
         super().kick(dt)
         if self.strain_limit is None:
             return
-        before = self.support_impulse.sum(axis=0)
         springs = self.internal
-        self.work["internal"] += limit(
+        limit(
             self.points, self.owned, self.v, self._next, springs.pairs, springs.rest,
             springs.limited, 1 + self.strain_limit, *self._sweeping, self.mass, self._fixed,
-            self._shift, self.support_impulse,
+            self._shift, self.support_impulse, self.r, dt,
         )  # fmt: skip
-        self.support_total += self.support_impulse.sum(axis=0) - before
 
-    def _follow(self, dt):
-        super()._follow(dt)
+    def _follow(self, dt, kicked):
+        super()._follow(dt, kicked)
         self.q[:] = 0.0  # directors are not moved
 
     def advance(self, until):
@@ -177,15 +176,16 @@ class Particles(Newmark):
         return N, rate
 
 
-def hand_over(particles, newmark):
+def hand_over(particles, newmark, touch=None, to=None):
     """Give positions, velocities and time to a Newmark stepper of the same surface.
 
+    `touch` and `to` are their contacts (Touch) or None: what is touched is handed over too.
     Directors and their rates are those of the surface's normals; held directors go back to rest,
     as particles know none and let them follow the normals.
     """
     v, _ = particles.velocities()
     d, q = particles._normals(v)
-    free = ~newmark._held[:, 3]
+    free = ~newmark.held[:, 3]
     rest = newmark.shell.reference.x.array.reshape(-1, 6)[: newmark.n_owned, 3:]
     newmark.owned[~free, 3:] = rest[~free]
     newmark.owned[:, :3], newmark.v[:] = particles.owned[:, :3], v
@@ -194,3 +194,5 @@ def hand_over(particles, newmark):
     newmark.time, newmark.last_dt = particles.time, 0.0
     newmark.scatter()
     newmark.check_step()
+    if touch is not None and to is not None:
+        to.restore(touch.state())

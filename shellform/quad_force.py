@@ -101,6 +101,12 @@ def _turning(dx, dd):
 
 
 @compiled
+def _turning_rate(b, c, rate_b, rate_c):
+    """Rate of b (1 + c/12 + c^2/90)."""
+    return rate_b * (1.0 + c / 12.0 + c * c / 90.0) + b * (1.0 / 12.0 + c / 45.0) * rate_c
+
+
+@compiled
 def _strains_at_rest(X, D, rest):
     g, h = np.empty((4, 3)), np.empty((4, 3))
     for m in range(X.shape[0]):
@@ -126,12 +132,16 @@ def _strains_at_rest(X, D, rest):
 
 
 @compiled
-def add_force(w, points, cells, stiffness, rest, r):
+def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
     """Add the internal forces of all cells.
+
+    Damped, the stress is that of the strains plus their rates times a time tau, in the present
+    configuration: it resists every change of strain, whatever stress there is, and no rigid motion.
 
     Parameters
     ----------
-    w : (n, 6), (u, d); points : (n, 3), reference positions
+    w : (n, 6), (u, d); ahead : (n, 6), w + tau times its rates, used if `damped`
+    points : (n, 3), reference positions
     cells : (m, 4) int in tensor order; stiffness, rest : see `baked`
     r : (n, 6), added to [N, N m]
     """
@@ -144,6 +154,10 @@ def add_force(w, points, cells, stiffness, rest, r):
     gb, gc, axis, moment = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
     fx, fd = np.empty((4, 3)), np.empty((4, 3))
     p, q = np.empty(3), np.empty(3)
+    way, turn = np.zeros((4, 3)), np.zeros((4, 3))
+    vx, vd = np.zeros((6, 3)), np.zeros((6, 3))
+    vg, vh = np.zeros((4, 3)), np.zeros((4, 3))
+    vb, vc = np.zeros(4), np.zeros(4)
     for m in range(cells.shape[0]):
         for i in range(4):
             node = cells[m, i]
@@ -159,11 +173,29 @@ def add_force(w, points, cells, stiffness, rest, r):
             arc = b[s] * b[s] * (1.0 + 2.0 / 15.0 * c[s]) / 24.0
             strain[s] = 0.5 * _dot(dx[s], dx[s]) + arc - rest[m, s]
             pull[s] = 0.0
+        if damped:
+            for i in range(4):
+                node = cells[m, i]
+                for k in range(3):
+                    way[i, k] = ahead[node, k] - w[node, k]
+                    turn[i, k] = ahead[node, 3 + k] - w[node, 3 + k]
+            for s in range(6):
+                i, j = FIRST[s], SECOND[s]
+                for k in range(3):
+                    vx[s, k] = way[j, k] - way[i, k]
+                    vd[s, k] = turn[j, k] - turn[i, k]
+                change = _dot(vx[s], dd[s]) + _dot(dx[s], vd[s])
+                bend = b[s] * _dot(dd[s], vd[s]) * (2.0 / 15.0)
+                strain[s] += _dot(dx[s], vx[s])
+                strain[s] += b[s] * (change * (1.0 + 2.0 / 15.0 * c[s]) + bend) / 12.0
         for s in range(4):
             i, j = FIRST[s], SECOND[s]
             for k in range(3):
                 dm[s, k] = 0.5 * (d[i, k] + d[j, k])
             gamma[s] = _dot(dx[s], dm[s]) - rest[m, 6 + s]
+            if damped:
+                gamma[s] += _dot(vx[s], dm[s])
+                gamma[s] += 0.5 * (_dot(dx[s], turn[i]) + _dot(dx[s], turn[j]))
             tau[s] = 0.0
         # corners: membrane and shear
         for k in range(4):
@@ -207,9 +239,21 @@ def add_force(w, points, cells, stiffness, rest, r):
                 h[k, t] = (1.0 - z) * dd[0, t] + z * dd[1, t]
                 g[2 + k, t] = (1.0 - z) * dx[2, t] + z * dx[3, t]
                 h[2 + k, t] = (1.0 - z) * dd[2, t] + z * dd[3, t]
+        if damped:
+            for k in range(2):
+                z = LINE[k]
+                for t in range(3):
+                    vg[k, t] = (1.0 - z) * vx[0, t] + z * vx[1, t]
+                    vh[k, t] = (1.0 - z) * vd[0, t] + z * vd[1, t]
+                    vg[2 + k, t] = (1.0 - z) * vx[2, t] + z * vx[3, t]
+                    vh[2 + k, t] = (1.0 - z) * vd[2, t] + z * vd[3, t]
         for k in range(4):
             gb[k], gc[k] = _dot(g[k], h[k]), _dot(h[k], h[k])
             axis[k] = gb[k] * (1.0 + gc[k] / 12.0 + gc[k] * gc[k] / 90.0) - rest[m, 10 + k]
+            if damped:
+                vb[k] = _dot(vg[k], h[k]) + _dot(g[k], vh[k])
+                vc[k] = 2.0 * _dot(h[k], vh[k])
+                axis[k] += _turning_rate(gb[k], gc[k], vb[k], vc[k])
             moment[k] = 0.0
             for t in range(3):
                 fg[k, t] = fh[k, t] = 0.0
@@ -223,6 +267,14 @@ def add_force(w, points, cells, stiffness, rest, r):
             plus = 1.0 + plus_c / 12.0 + plus_c * plus_c / 90.0
             minus = 1.0 + minus_c / 12.0 + minus_c * minus_c / 90.0
             twist = 0.25 * (plus_b * plus - minus_b * minus) - rest[m, 14 + k]
+            if damped:
+                rate_b = _dot(vg[one], h[two]) + _dot(vg[two], h[one])
+                rate_b += _dot(g[one], vh[two]) + _dot(g[two], vh[one])
+                rate_c = 2.0 * (_dot(vh[one], h[two]) + _dot(h[one], vh[two]))
+                sum_b, sum_c = vb[one] + vb[two], vc[one] + vc[two]
+                more = _turning_rate(plus_b, plus_c, sum_b + rate_b, sum_c + rate_c)
+                less = _turning_rate(minus_b, minus_c, sum_b - rate_b, sum_c - rate_c)
+                twist += 0.25 * (more - less)
             C = stiffness[m, k]
             k1, k2 = axis[one], axis[two]
             moment[one] += C[9] * k1 + C[10] * k2 + C[11] * twist

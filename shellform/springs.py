@@ -58,9 +58,14 @@ def pull(length, rest, k, k_b, turn, linear):
 
 
 @compiled
-def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r):
-    """Internal forces into r (n, 6) [N], stiffness-proportional damping along the springs."""
+def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r, viscous):
+    """Internal forces into r (n, 6) [N], stiffness-proportional damping along the springs.
+
+    The part of damping alone goes into viscous (n, 3) [N] too.
+    """
     r[:] = 0.0
+    if damping > 0.0:
+        viscous[:] = 0.0
     for s in range(len(rest)):
         i, j = pairs[s, 0], pairs[s, 1]
         d0 = points[j, 0] - points[i, 0] + w[j, 0] - w[i, 0]
@@ -72,7 +77,15 @@ def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r):
         f = pull(length, rest[s], k[s], k_b[s], turn[s], linear)
         if damping > 0.0:
             rate = d0 * (v[j, 0] - v[i, 0]) + d1 * (v[j, 1] - v[i, 1]) + d2 * (v[j, 2] - v[i, 2])
-            f += damping * k[s] * rate / length
+            slow = damping * k[s] * rate / length
+            f += slow
+            slow /= length
+            viscous[i, 0] -= slow * d0
+            viscous[i, 1] -= slow * d1
+            viscous[i, 2] -= slow * d2
+            viscous[j, 0] += slow * d0
+            viscous[j, 1] += slow * d1
+            viscous[j, 2] += slow * d2
         f /= length
         r[i, 0] -= f * d0
         r[i, 1] -= f * d1
@@ -115,7 +128,7 @@ class Springs:
     Attributes
     ----------
     pairs : (s, 2) int; rest : (s,) [m]; k : (s,) [N/m]; k_b : (s,) [N m^2]; kind : (s,) int
-    r : (n, 6) [N], last forces
+    r : (n, 6) [N], last forces; viscous : (n, 3) [N], the part of damping if there is any
     """
 
     def __init__(self, surface, cells, points, fabric, bending="flexion", curvature=None):
@@ -174,14 +187,15 @@ class Springs:
         self.kind = np.repeat(np.array([EDGE, DIAGONAL, BEND]), sizes)
         self.turn = np.array([_turn(*s) for s in zip(self.rest, self.k, self.k_b, strict=True)])
         self.limited = int(sizes[0] + sizes[1])
-        self.r, self._energy = np.zeros((len(points), 6)), np.zeros(3)
+        self.r, self.viscous = np.zeros((len(points), 6)), np.zeros((len(points), 3))
+        self._energy = np.zeros(3)
 
     def __call__(self, w, v=None, damping=0.0):
         """Forces (n, 6) [N] at the nodal field w (n, 6); returns `r`."""
         v = self.points if v is None else v
         forces(
             self.points, w, v, damping, self.pairs, self.rest, self.k, self.k_b, self.turn,
-            self.linear, self.r,
+            self.linear, self.r, self.viscous,
         )  # fmt: skip
         return self.r
 

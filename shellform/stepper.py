@@ -92,16 +92,38 @@ class Stepper:
         out = self.shell.comm.allreduce(out)
         return out[:3], out[3:6], out[6]
 
-    def check_finite(self, total, dt):
-        """Raise Unstable on all ranks if the sum of a rank's coordinates is not finite."""
-        if np.isfinite(total):
-            return
-        bad = np.flatnonzero(~np.isfinite(self.owned).all(axis=1))
-        node = self.shell.partition.nodes[bad[0]] if len(bad) else "?"
-        raise Unstable(
-            f"node {node} of {self.shell.surface.source} has left the finite numbers at "
-            f"t = {self.time:.6g} s, step {self.steps} of {dt:.3g} s; take a smaller time step"
-        )
+    def strain_energy(self):
+        """Strain energy [J] by kind of term, on every rank."""
+        return self.shell.energy()
+
+    def balance(self):
+        """Energies and works so far [J] at the present time, on every rank.
+
+        Keys: kinetic, strain; work done by external forces and supports; what drag and damping
+        took, the latter up to a constant.
+        """
+        kinetic, strain = self.momenta()[2], sum(self.strain_energy().values())
+        work = {kind: self.shell.comm.allreduce(value) for kind, value in self.work.items()}
+        return {"damping": 0.0} | work | {"kinetic": kinetic, "strain": strain}
+
+    def check_finite(self, total, dt, fault=None):
+        """Raise Unstable on all ranks if the sum of any rank's coordinates is not finite.
+
+        `fault` is a sentence of what else a rank found, or None. All ranks call.
+        """
+        comm, surface = self.shell.comm, self.shell.surface
+        if not np.isfinite(total):
+            state = np.hstack([self.owned, self.v, self.q])
+            bad = np.flatnonzero(~np.isfinite(state).all(axis=1))
+            node = self.shell.partition.nodes[bad[0]] if len(bad) else "?"
+            fault = (
+                f"node {node} of {surface.source} has left the finite numbers at "
+                f"t = {self.time:.6g} s, step {self.steps} of {dt:.3g} s; take a smaller time step"
+            )
+        faults = [fault] if comm.size == 1 else comm.allgather(fault)
+        for fault in faults:
+            if fault:
+                raise Unstable(fault)
 
     def scatter(self, field=None):
         """Bring ghosts of w, or of another Function, up to date."""

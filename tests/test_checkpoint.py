@@ -15,7 +15,7 @@ from shellform.newmark import Newmark
 from shellform.touch import Touch
 
 
-def scene(cells=8):
+def scene(cells=8, samples="nodes"):
     surface = meshes.rectangle(0.5, 0.5, (cells, cells)).transform(translation=(-0.2, -0.3, 1e-3))
     shell = Shell(surface, Fabric.isotropic(1e6, 0.3, 1e-3, 200.0))
     shell.supports.hold(np.array([0]))
@@ -23,7 +23,7 @@ def scene(cells=8):
     stepper = Newmark(shell, 0.8, damping=1e-4, drag=0.5)
     stepper.recheck = 50
     limb = Segment("limb", (0.2, 0.3, 0.25), Fixed((0, 0, -0.25)))
-    return stepper, Touch(stepper, Body([limb]), 0.3)
+    return stepper, Touch(stepper, Body([limb]), 0.3, samples=samples)
 
 
 def steps(stepper, count):
@@ -37,15 +37,20 @@ def state(stepper, touch):
     return np.hstack([*parts, gather(touch.correction.window.impulse)])
 
 
-def test_goes_on_bit_for_bit(shared_tmp_path, comm):
-    stepper, touch = scene()
+@pytest.mark.parametrize("samples", ["nodes", 1])
+def test_goes_on_bit_for_bit(samples, shared_tmp_path, comm):
+    """A cut-back step, contact of nodes and samples, the books: all go on."""
+    stepper, touch = scene(samples=samples)
+    stepper.rewind.cut = 0.5
     steps(stepper, 120)
     checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
     comm.Barrier()
     steps(stepper, 200)
-    other, other_touch = scene()
+    other, other_touch = scene(samples=samples)
     checkpoint.load(shared_tmp_path / "c.npz", other, other_touch)
+    assert 0.5 < other.rewind.cut < 0.6  # two good looks later
     steps(other, 200)
+    assert other.rewind.cut == stepper.rewind.cut
     assert other.time == stepper.time
     assert other.steps == stepper.steps == 320
     assert comm.allreduce(np.abs(touch.correction.window.impulse).sum()) > 0  # it has met the limb
@@ -53,6 +58,16 @@ def test_goes_on_bit_for_bit(shared_tmp_path, comm):
     for kind, value in stepper.work.items():
         total, again = comm.allreduce(value), comm.allreduce(other.work[kind])
         assert again == pytest.approx(total, rel=1e-12, abs=1e-15)
+    assert stepper.balance()["damping"] == pytest.approx(other.balance()["damping"], rel=1e-9)
+
+
+def test_samples_need_their_state(shared_tmp_path, comm):
+    stepper, touch = scene(samples=1)
+    checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
+    comm.Barrier()
+    other, other_touch = scene(samples=2)
+    with pytest.raises(ValueError, match="4 samples a cell"):
+        checkpoint.load(shared_tmp_path / "c.npz", other, other_touch)
 
 
 def test_another_surface_is_refused(shared_tmp_path, comm):
