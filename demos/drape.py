@@ -8,14 +8,18 @@ averaged over the last part of the run they carry the weight, with the pin and w
     python demos/drape.py --cells 24 --out out/drape
     mpirun -n 2 python demos/drape.py --pinned none --friction 0.3
     python demos/drape.py --model particles
+    python demos/drape.py --stepper implicit --time-step 4e-3
+    python demos/drape.py --handover 0.5
 
 leaves summary.json, ledger.csv, checkpoint.npz, drape.png, drape.gif and a series for ParaView in
-the folder; a run that fails leaves ledger, frames and checkpoint of its last output time.
+the folder; a run that fails leaves ledger, frames and checkpoint of its last output time
+(implicit steps and particles that hand over leave no checkpoint).
 Default data: E t = 1000 N/m, nu = 0.3, bending of a sheet of 1 mm, 0.2 kg/m2, a sphere of radius
 0.25 m whose top is 0.05 m below the sheet.
 """
 
 import argparse
+import copy
 
 from mpi4py import MPI
 
@@ -42,8 +46,15 @@ def arguments(given):
     positive = command.positive
     parser.add_argument("--cells", type=positive(int), help="along a side (default: accuracy)")
     parser.add_argument("--degree", type=int, choices=(1, 2), default=1, help="of the quads")
-    parser.add_argument("--stepper", choices=("explicit",), default="explicit")
+    parser.add_argument("--stepper", choices=("explicit", "implicit"), default="explicit")
     parser.add_argument("--model", choices=("shell", "particles"), default="shell")
+    parser.add_argument("--membrane", choices=("arcs", "chords"), default="arcs")
+    parser.add_argument("--distort", type=float, default=0.0, help="of the mesh, parts of a cell")
+    parser.add_argument("--seed", type=int, default=0, help="of distortion and perturbation")
+    parser.add_argument("--perturb", type=float, default=0.0, help="random height at the start, m")
+    parser.add_argument(
+        "--handover", type=positive(float), help="particles until this time, then the shell, s"
+    )
     parser.add_argument("--radii", type=positive(float), nargs=3, default=[0.25] * 3, help="m")
     parser.add_argument("--size", type=positive(float), default=1.0, help="side of the sheet, m")
     parser.add_argument("--pinned", choices=("corner", "none"), default="corner")
@@ -55,7 +66,13 @@ def arguments(given):
     parser.add_argument("--areal-mass", type=positive(float), default=0.2, help="kg/m2")
     parser.add_argument("--thickness", type=positive(float), default=1e-3, help="m")
     parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
-    parser.add_argument("--damping", type=float, default=2e-4, help="stiffness-proportional, s")
+    parser.add_argument("--time-step", type=positive(float), help="of implicit steps, s")
+    parser.add_argument(
+        "--alpha", type=float, default=-0.1, help="damping of implicit steps, -1/3 to 0"
+    )
+    parser.add_argument(
+        "--damping", type=float, default=2e-4, help="stiffness-proportional, of explicit steps, s"
+    )
     parser.add_argument("--drag", type=float, default=0.5, help="of still air, 1/s")
     parser.add_argument("--accuracy", type=command.accuracy, default=0.03, metavar="N%")
     parser.add_argument("--frames", type=positive(int), default=40)
@@ -66,7 +83,65 @@ def arguments(given):
         options.cells = max(4, int(np.ceil(16 * np.sqrt(0.03 / options.accuracy))))
     if options.window > options.seconds:
         parser.error("--window must not be longer than --seconds")
+    if options.stepper == "implicit" and options.model == "particles":
+        parser.error("particles are stepped explicitly; leave out --stepper or --model")
+    if options.time_step is not None and options.stepper != "implicit":
+        parser.error("--time-step is of --stepper implicit; explicit steps have --time-step-factor")
+    if options.time_step is None:
+        options.time_step = 4e-3
+    if options.handover is not None:
+        if options.model == "particles" or options.degree != 1:
+            parser.error("--handover goes from particles to the shell of 4-node quads")
+        if options.handover > options.seconds - options.window:
+            parser.error("--handover must leave --window to the shell")
     return options
+
+
+def sheet(options):
+    """The square of cloth with its support and its weight."""
+    size, n, nu = options.size, options.cells, 0.3
+    corners = meshes.distorted((n, n), options.distort, seed=options.seed)
+    square = meshes.rectangle(size, size, (n, n), degree=options.degree, parameters=corners)
+    square = square.transform(translation=(-0.5 * size, -0.5 * size, 0.0))
+    plane = np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+    fabric = Fabric.from_stiffness(
+        options.membrane_stiffness / (1 - nu**2) * plane,
+        options.bending_stiffness * plane,
+        options.areal_mass,
+        options.thickness,
+        name="drape",
+    )
+    shell = Shell(square, fabric, COMM, membrane=options.membrane)
+    if options.pinned == "corner":
+        shell.supports.hold(np.array([0]))
+    shell.loads.gravity((0.0, 0.0, -G))
+    return shell
+
+
+def stepper_of(options, shell, body):
+    """Stepper of the model asked for, and its contact with the body."""
+    if options.stepper == "implicit":
+        from shellform.implicit import ImplicitNewmark
+        from shellform.implicit_contact import ImplicitTouch
+
+        stepper = ImplicitNewmark(shell, options.time_step, alpha=options.alpha, drag=options.drag)
+        return stepper, ImplicitTouch(stepper, body, options.friction)
+    model = Newmark
+    if options.model == "particles":
+        from shellform.particles import Particles as model
+    stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
+    return stepper, Touch(stepper, body, options.friction)
+
+
+def perturb(options, stepper):
+    """Heights at random, the same on any number of ranks; held nodes stay."""
+    shell = stepper.shell
+    random = np.random.default_rng(options.seed)
+    rise = options.perturb * random.uniform(-1, 1, len(shell.surface.points))
+    rise = rise[shell.partition.owned_nodes]
+    rise[shell.supports.held[: stepper.n_owned, 2]] = 0.0
+    stepper.owned[:, 2] += rise
+    stepper.scatter()
 
 
 def main(given=None):
@@ -74,22 +149,8 @@ def main(given=None):
     options = arguments(given)
     report = Report(options.out, "drape", vars(options), COMM)
     with report.stage("setup"):
-        size, n = options.size, options.cells
-        square = meshes.rectangle(size, size, (n, n), degree=options.degree)
-        square = square.transform(translation=(-0.5 * size, -0.5 * size, 0.0))
-        nu = 0.3
-        plane = np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
-        fabric = Fabric.from_stiffness(
-            options.membrane_stiffness / (1 - nu**2) * plane,
-            options.bending_stiffness * plane,
-            options.areal_mass,
-            options.thickness,
-            name="drape",
-        )
-        shell = Shell(square, fabric, COMM)
-        if options.pinned == "corner":
-            shell.supports.hold(np.array([0]))
-        shell.loads.gravity((0.0, 0.0, -G))
+        shell, n = sheet(options), options.cells
+        square = shell.surface
         centre = np.array([0.0, 0.0, -0.05 - options.radii[2]])
         body = Body([Segment("body", options.radii, Fixed(centre))])
         report.describe(
@@ -98,25 +159,41 @@ def main(given=None):
 
     # ## Steps
     with report.stage("compile"):
-        model = Newmark
-        if options.model == "particles":
-            from shellform.particles import Particles as model
-        stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
+        stepper, touch = stepper_of(options, shell, body)
         stepper.shell.energy()
-    touch = Touch(stepper, body, options.friction)
+    later = None
+    if options.handover is not None:
+        # particles first, on a sheet of their own
+        first = copy.copy(options)
+        first.stepper, first.model = "explicit", "particles"
+        later = stepper, touch
+        stepper, touch = stepper_of(first, sheet(options), body)
+    perturb(options, stepper)
     ledger, series = Ledger(report.folder / "ledger.csv", stepper, touch), Series(options.out)
     times = np.linspace(0, options.seconds, options.frames + 1)[1:]
-    frames, deepest = [(shell.positions(), shell.directors())], 0.0
+    shown = stepper.shell
+    frames, deepest = [(shown.positions(), shown.directors())], 0.0
+    particle_steps = 0
     for time in command.progress(times, len(times), "drape"):
         with report.stage("solve"):
+            if later and time > options.handover:
+                from shellform.particles import hand_over
+
+                stepper.advance(options.handover)
+                report.shift(touch.seconds, "solve", "contact")
+                hand_over(stepper, later[0])
+                particle_steps, (stepper, touch), later = stepper.steps, later, None
+                ledger = Ledger(report.folder / "ledger.csv", stepper, touch)
             stepper.advance(time)
         with report.stage("output"):
             ledger.record()
-            checkpoint.save(report.folder / "checkpoint.npz", stepper, touch)
-            series.write(shell, time)
-            frames.append((shell.positions(), shell.directors()))
+            if options.stepper == "explicit" and options.handover is None:
+                checkpoint.save(report.folder / "checkpoint.npz", stepper, touch)
+            shown = stepper.shell
+            series.write(shown, time)
+            frames.append((shown.positions(), shown.directors()))
             deepest = max(deepest, COMM.allreduce(touch.correction.max_depth, MPI.MAX))
-
+    steps = stepper.steps + particle_steps
     report.shift(touch.seconds, "solve", "contact")
 
     # ## Results
@@ -126,9 +203,9 @@ def main(given=None):
     if COMM.rank == 0:
         force, weight = results["contact_force"], results["weight"]
         cost = 1e6 * report.seconds["solve"] + 1e6 * report.seconds["contact"]
-        cost /= stepper.steps * len(square.points)
+        cost /= steps * len(square.points)
         results["microseconds_per_node_and_step"] = cost
-        print(f"{n} x {n} cells, {stepper.steps} steps of {stepper.dt:.2e} s, ", end="")
+        print(f"{n} x {n} cells, {steps} steps of {stepper.dt:.2e} s, ", end="")
         print(f"{cost:.2f} microseconds a node and step")
         print(f"weight {weight:.4f} N, contact {np.round(force, 4)} N, ", end="")
         print(f"pin {np.round(results['pin_force'], 4)} N over {results['window']:.2f} s")
@@ -138,7 +215,17 @@ def main(given=None):
             from shellform.pictures import drape_pictures
 
             drape_pictures(report.folder, frames, square.cells, body, times[0])
-    report.write(results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt)
+    iterations = 0
+    if options.stepper == "implicit":
+        iterations = stepper.newton_iterations
+        results |= {
+            "solves": stepper.solves,
+            "cutbacks": stepper.cutbacks,
+            "unsettled_steps": touch.unsettled,
+        }
+        assembly = stepper.equilibrium.assembly_seconds
+        report.shift(assembly, "solve", "assemble")
+    report.write(results, steps=steps, newton_iterations=iterations, time_step=stepper.dt)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
 

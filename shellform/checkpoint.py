@@ -31,9 +31,6 @@ def save(path, stepper, touch=None):
         "totals": comm.allreduce(stepper.totals),
         "version": np.array(__version__),
     }
-    if comm.allreduce(stepper.path.shape[1]):
-        here, forces = stepper.path
-        state |= {"path": gather(here, root=0), "path_forces": gather(forces, root=0)}
     if touch is not None:
         window = touch.correction.window
         state |= _contact(stepper, touch)
@@ -71,10 +68,6 @@ def load(path, stepper, touch=None):
     # sums over ranks live on the first one
     stepper.works[:] = state["work"] if first else 0.0
     stepper.totals[:] = state["totals"] if first else 0.0
-    if stepper.path.shape[1]:
-        if "path" not in state:
-            raise ValueError(f"{path} is of steps without damping; these have damping")
-        stepper.path[:] = state["path"][nodes], state["path_forces"][nodes]
     if touch is None:
         return
     if "segment" not in state:

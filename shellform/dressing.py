@@ -65,7 +65,9 @@ def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
     stepper : Newmark on a surface that lies as it will be worn, with the edge 'waist'
     touch : Touch whose body is a Wearer that starts from rest
     tension : float [N], of the belt
-    plan : Dressing or None; watch : function of (stage, stepper), called every `every` [s]
+    plan : Dressing or None
+    watch : function of (stage, stepper), called every `every` [s] while stages 'pull', 'belt' and
+        'settle' last, and at 'below', 'up', 'belted', 'settled'
 
     Returns
     -------
@@ -94,6 +96,7 @@ def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
     damping = 0.5 * np.sqrt(plan.grip * mass)
     hands = Hands(stepper, "waist", _lift(start, plan.pull, drop), plan.grip, damping)
     _go(stepper, start + plan.pull, every, lambda: watch("pull", stepper))
+    watch("up", stepper)
 
     # (c) and (d)
     correction.allowed[:] = reach
@@ -109,12 +112,28 @@ def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
     _go(stepper, begin + plan.belt + plan.release, 0.01, tighten)
     belt.tension = tension
     stepper.pulls.remove(hands)
-    while stepper.time < wearer.start - 1e-9 and speed(stepper) > plan.quiet:
-        _go(stepper, min(stepper.time + 0.1, wearer.start), every, lambda: watch("settle", stepper))
-    report = {"seconds": stepper.time - start, "speed": speed(stepper)}
+    watch("belted", stepper)
+    report = settle(stepper, touch, belt, plan, watch, every)
+    stepper.drag = drag
+    return belt, {"seconds": plan.pull + plan.belt + plan.release + report.pop("seconds")} | report
+
+
+def settle(stepper, touch, belt, plan, watch, every=0.05):
+    """Wait until the cloth is quiet; the clock ends at the wearer's first frame.
+
+    Returns
+    -------
+    dict: `seconds` it took, root mean square `speed` [m/s], whether `settled`, figures of `fit`
+    """
+    end, begin = touch.correction.body.start, stepper.time
+    stepper.drag = plan.drag
+    while stepper.time < end - 1e-9 and speed(stepper) > plan.quiet:
+        _go(stepper, min(stepper.time + 0.1, end), every, lambda: watch("settle", stepper))
+    report = {"seconds": stepper.time - begin, "speed": speed(stepper)}
     report |= {"settled": report["speed"] <= plan.quiet} | fit(stepper, touch, belt)
-    stepper.time, stepper.drag = wearer.start, drag
-    return belt, report
+    stepper.time = end
+    watch("settled", stepper)
+    return report
 
 
 def fit(stepper, touch, belt):
@@ -128,7 +147,10 @@ def fit(stepper, touch, belt):
     comm, surface = shell.comm, shell.surface
     ring = Ring(stepper, "waist")
     correction.reset()
+    # drag of the air would take dt/2 of its rate off the contact forces
+    drag, stepper.drag = stepper.drag, 0.0
     stepper.advance(stepper.time + 200 * stepper.dt)
+    stepper.drag = drag
     x = ring.look(stepper)
     force = np.zeros_like(x)
     force[ring.mine] = correction.window.impulse[ring.own] / correction.window.seconds

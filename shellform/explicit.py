@@ -88,17 +88,6 @@ def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
 
 
 @compiled
-def along_path(y, r, y_old, r_old):
-    """Trapezoidal work of the forces r on the way from y_old to y, which then take their place."""
-    work = 0.0
-    for i in range(y_old.shape[0]):
-        for k in range(6):
-            work += 0.5 * (r[i, k] + r_old[i, k]) * (y[i, k] - y_old[i, k])
-            y_old[i, k], r_old[i, k] = y[i, k], r[i, k]
-    return work
-
-
-@compiled
 def work_over(force, v_old, v, dt):
     """Work [J] of forces (n, 3) over dt while velocities go from v_old to v (n, 3)."""
     work = 0.0

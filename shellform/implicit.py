@@ -4,7 +4,8 @@
 With the constant lumped mass m and rotary inertia I of inertia.py, nodes move in space,
 
     u(n+1) = u + dt v + dt^2 ((1/2 - beta) a + beta a(n+1)),
-    v(n+1) = v + dt ((1 - gamma) a + gamma a(n+1)),     m a = f_ext - f_int,
+    v(n+1) = v + dt ((1 - gamma) a + gamma a(n+1)),
+    m a(n+1) = (1 + alpha) f(n+1) - alpha f(n),     f = f_ext - f_int,
 
 and directors by the same formulas on the unit sphere: the turn theta takes the place of the
 displacement and lies in the plane tangent to the director it starts from, d(n+1) = exp(theta) d.
@@ -15,10 +16,12 @@ the sphere, where it would ring.
 Velocities are advanced by nodal forces and not by differences of positions: internal forces sum to
 nothing, so linear momentum is that of the loads to roundoff, whatever Newton's tolerance.
 
-(1/4, 1/2) is the average acceleration, of second order without damping. In free flight angular
-momentum and energy then swing by O(dt^2); energy is bound to stay only where steps resolve what
-moves: stiff modes they do not resolve may feed on a nonlinear motion and grow. gamma > 1/2 damps
-them, best with beta = (gamma + 1/2)^2/4, at first order in time.
+alpha = 0 with (1/4, 1/2) is the average acceleration, of second order without damping. In free
+flight angular momentum and energy then swing by O(dt^2); energy is bound to stay only where steps
+resolve what moves: stiff modes they do not resolve may feed on a nonlinear motion and grow. Two
+ways to damp them: gamma > 1/2, best with beta = (gamma + 1/2)^2/4, at first order in time; or
+-1/3 <= alpha < 0 with gamma = 1/2 - alpha, beta = (1 - alpha)^2/4, at second order (Hilber, Hughes
+and Taylor, Earthq. Eng. Struct. Dyn. 5, 1977).
 
 A step that fails is halved and retried; the step follows the truncation error
 (beta - 1/6) dt^2 (a(n+1) - a) and the number of Newton iterations.
@@ -28,9 +31,9 @@ from mpi4py import MPI
 
 import numpy as np
 
-from . import director
-from .equilibrium import Equilibrium
+from .inertial import Inertial, along, carry
 from .newton import Newton
+from .restraint import book_drag, constrain, slowed
 from .statics import NotConverged
 from .stepper import Stepper
 
@@ -44,40 +47,39 @@ class ImplicitNewmark(Stepper):
         not bound the step
     dt : float [s], first step and largest
     beta, gamma : float, beta > 0 and gamma >= 1/2; stable on linear problems for
-        beta >= (gamma + 1/2)^2/4; None takes that value
+        beta >= (gamma + 1/2)^2/4; None takes that value, gamma = 1/2 - alpha
     tolerance : float [m], truncation error allowed a step; None: dt changes with failures and
         Newton iterations only
     hooks : callables (stepper, dt), run after each step that has been solved, with positions,
         velocities and `time` at its end. They may look at everything and change `v` and `q` of
-        free nodes (an impulse), not positions. Contact by touch.Touch corrects velocities before
-        the nodes move: it is for explicit steps only.
+        free nodes (an impulse), not positions. Contact is implicit_contact.ImplicitTouch.
+    alpha : float, -1/3 to 0, damping of the modes that steps do not resolve
+    drag : float [1/s], decay of all velocities as in still air, applied before each step
 
     Attributes
     ----------
-    v, q : (n_owned, 3), velocities of nodes [m/s] and directors [1/s] at `time`; may be set before
-        the first step
-    a : (n_owned, 6) or None, accelerations of free nodes [m/s^2] and along the sphere of directors
-        [1/s^2]; set it to None after a jump of the loads or a change of positions
-    newton_iterations, cutbacks : int, totals
+    v, q : (n_owned, 3), velocities of nodes [m/s] and directors [1/s] at `time`; may be set
+    a : (n_owned, 6) or None, accelerations by all forces but contact and supports [m/s^2], of
+        directors along the sphere [1/s^2]; set it to None after a jump of the loads or a change of
+        positions
+    newton_iterations, cutbacks : int, totals; solves : int, of which several a step with contact
+    work, external_total, support_total, drag_total : see Newmark; "internal" is not booked
 
     Raises
     ------
-    ValueError for a step, beta or gamma out of range, or a prescribed motion without time
+    ValueError for a step, alpha, beta or gamma out of range, or a prescribed motion without time
     """
 
     smallest = 1e-6  # part of the largest step below which a step has failed for good
+    instant = 1.0  # part of the step at whose end it is solved
 
     def __init__(
-        self,
-        shell,
-        dt,
-        beta=None,
-        gamma=0.5,
-        tolerance=None,
-        hooks=(),
-        rotary_scale=0.0,
-        prefix="shell_",
-    ):
+        self, shell, dt, beta=None, gamma=None, tolerance=None, hooks=(), rotary_scale=0.0,
+        prefix="shell_", alpha=0.0, drag=0.0,
+    ):  # fmt: skip
+        if not -1 / 3 <= alpha <= 0:
+            raise ValueError(f"alpha of Hilber, Hughes and Taylor is from -1/3 to 0, not {alpha}")
+        gamma = 0.5 - alpha if gamma is None else gamma
         if beta is None:
             beta = 0.25 * (gamma + 0.5) ** 2
         if not beta > 0 or not gamma >= 0.5:
@@ -89,17 +91,34 @@ class ImplicitNewmark(Stepper):
             raise ValueError(f"a time step is a positive number of seconds, not {dt}")
         if tolerance is not None and not tolerance > 0:
             raise ValueError(f"a truncation error is a positive length in m, not {tolerance}")
+        if not 0 <= drag < np.inf:
+            raise ValueError(f"drag is a finite number, not negative, not {drag}")
         if shell.supports.steady_goals():
             raise ValueError("in dynamics a prescribed displacement is a function of time")
-        self.equilibrium = _Inertial(shell)
+        self.equilibrium = Inertial(shell)
         super().__init__(shell, hooks, rotary_scale, prefix)
         self.equilibrium.load_factor = 1.0
         self.newton = Newton(self.equilibrium, prefix)
-        self.beta, self.gamma, self.tolerance = beta, gamma, tolerance
+        self.beta, self.gamma, self.alpha, self.drag = beta, gamma, alpha, drag
+        self.tolerance = tolerance
         self.dt = self.largest_dt = dt
         self._mass6 = np.repeat(np.column_stack([self.mass, self.inertia]), 3, axis=1)
+        self.a, self.contact = None, None
+        self.newton_iterations = self.cutbacks = self.solves = 0
+        self.last_dt = 0.0
+        self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
+        self.external_total, self.support_total = np.zeros(3), np.zeros(3)
+        self.drag_total = np.zeros(3)
+
+    @property
+    def held(self):
+        """Held displacements and wholly held directors (n_owned, 4), bool."""
+        held = self.shell.supports.held[: self.n_owned]
+        return np.column_stack([held[:, :3], held[:, 3] & held[:, 4]])
+
+    def check_step(self):
+        """Take over positions, velocities and time set from outside (particles.hand_over)."""
         self.a = None
-        self.newton_iterations = self.cutbacks = 0
 
     def velocities(self):
         """Velocities (n_owned, 3) of nodes [m/s] and directors [1/s] at the present time."""
@@ -131,65 +150,82 @@ class ImplicitNewmark(Stepper):
     def _try(self, dt):
         """Step over dt [s]; False with the state restored if that fails."""
         if self.a is None:
-            self.q -= _along(self.q, self.owned[:, 3:])
-            self.a = self._acceleration()
+            self._begin()
         eq, state, old = self.equilibrium, self.equilibrium.state(), self.owned.copy()
         self._predict(old, dt)
-        done = self.newton.solve(self.time + dt)
+        done = self._solve(dt)
         if done is None:
             eq.restore(state)
             return False
-        before, a = self.a, self._acceleration()
-        change = np.abs(a[:, :3] - before[:, :3]).max(initial=0.0)
+        force, outer = self._accelerations(self.time + self.instant * dt)
+        change = np.abs(force[:, :3] - self._force[:, :3]).max(initial=0.0)
         error = abs(self.beta - 1 / 6) * dt**2 * self.shell.comm.allreduce(change, MPI.MAX)
         # steps that shrink for an error alone stop at a thousandth: that is not a failure
         if self.tolerance and error > 4 * self.tolerance and dt > 1e-3 * self.largest_dt:
             eq.restore(state)
             return False
-        self._finish(old, a, dt)
-        self.newton_iterations += done.iterations
+        self._finish(old, force, outer, dt)
+        self.newton_iterations += done[0]
         self.time, self.steps = self.time + dt, self.steps + 1
         for hook in self.hooks:
             hook(self, dt)
         self.check_finite(self.owned.sum() + self.v.sum() + self.q.sum(), dt)
-        self._choose_step(dt, error, done.iterations)
+        self._choose_step(dt, error, done[1])
         return True
+
+    def _begin(self):
+        """Forces of a state set from outside, directors' velocities along the sphere."""
+        self.equilibrium.adopt()
+        self.q -= along(self.q, self.owned[:, 3:])
+        self._force, self._outer = self._accelerations(self.time)
+        self.a, self._mean_outer = self._force.copy(), self._outer.copy()
+        self._pushed = np.zeros((self.n_owned, 3))
 
     def _predict(self, old, dt):
         """Hand equilibrium the inertia of a step over dt [s] from the field `old` (n_owned, 6)."""
-        part = dt**2 * (0.5 - self.beta) * self.a
         eq = self.equilibrium
+        ahead = (0.5 - self.beta) * self.a - self.alpha * self.beta * self._force
+        ahead[:, :3] += (0.5 - self.beta) * self._pushed
+        ahead = dt**2 * eq.free_part(ahead)
         eq.start_d = old[:, 3:]
-        eq.ahead_u = old[:, :3] + dt * self.v + part[:, :3]
-        eq.ahead_d = dt * self.q + part[:, 3:]
-        eq.factor = self._mass6 / (self.beta * dt**2)
+        velocity = slowed(self, dt)
+        eq.ahead_u = old[:, :3] + dt * velocity[:, :3] + ahead[:, :3]
+        eq.ahead_d = dt * velocity[:, 3:] + ahead[:, 3:]
+        eq.factor = self._mass6 / ((1 + self.alpha) * self.beta * dt**2)
         eq.predict()
 
-    def _finish(self, old, a, dt):
-        """Velocities at the end of a solved step from accelerations a (n_owned, 6) there."""
-        velocity = np.hstack([self.v, self.q]) + dt * (1 - self.gamma) * self.a
+    def _solve(self, dt):
+        """Newton iterations of a step, in all and in the hardest solve; None if it fails."""
+        if self.contact is None:
+            self.solves += 1
+            done = self.newton.solve(self.time + self.instant * dt)
+            return None if done is None else (done.iterations, done.iterations)
+        return self.contact.solve(self, dt)
+
+    def _finish(self, old, force, outer, dt):
+        """Velocities and books at the end of a solved step from the forces there."""
         start, end = old[:, 3:], self.owned[:, 3:]
-        velocity[:, 3:] = _carry(velocity[:, 3:], start, end)
-        velocity += dt * self.gamma * a
-        velocity = self.equilibrium.free_part(velocity)
-        self.v[:], self.q[:], self.a = velocity[:, :3], velocity[:, 3:], a
-        if self.equilibrium.has_goal:
-            self._follow(self.time + dt, 1e-3 * dt)
-
-    def _follow(self, time, h):
-        """Velocities of nodes of prescribed motion: one-sided differences of second order over h.
-
-        Newmark's formula would give them a velocity that rings about the true one.
-        """
-        places = [self.shell.supports.prescribed(time - k * h) for k in range(3)]
-        for (local, u, d), (_, u1, d1), (_, u2, d2) in zip(*places, strict=True):
-            mine = local < self.n_owned
-            nodes = local[mine]
-            if u is not None:
-                self.v[nodes] = ((3 * u - 4 * u1 + u2) / (2 * h))[mine]
-            if d is not None:
-                turn = ((3 * d - 4 * d1 + d2) / (2 * h))[mine]
-                self.q[nodes] = turn - _along(turn, self.owned[nodes, 3:])
+        before, past = self.a.copy(), self._force.copy()
+        for rates in (before, past):
+            rates[:, 3:] = carry(rates[:, 3:], start, end)
+        a = (1 + self.alpha) * force - self.alpha * past
+        mean = (1 - self.gamma) * before + self.gamma * a
+        mean_outer = (1 + self.alpha) * outer - self.alpha * self._outer
+        pull = (1 - self.gamma) * self._mean_outer + self.gamma * mean_outer
+        free = slowed(self, dt)
+        v_old = free[:, :3].copy()
+        book_drag(self, free)
+        free[:, 3:] = carry(free[:, 3:], start, end)
+        free += dt * mean
+        self.a, self._force = a, force
+        self._mean_outer, self._outer = mean_outer, outer
+        moved = self.owned[:, :3] - old[:, :3]
+        self.v[:] = free[:, :3]
+        constrain(self, free, self.time + dt, dt)
+        if self.contact is not None:
+            self._pushed = self.contact.push(self, v_old, mean[:, :3], moved, dt)
+        self.external_total += dt * pull.sum(axis=0)
+        self.work["external"] += np.vdot(pull, moved)
 
     def _choose_step(self, dt, error, iterations):
         growth = 1.5 if iterations <= 8 else 0.7
@@ -197,14 +233,14 @@ class ImplicitNewmark(Stepper):
             growth = min(growth, max(0.3, 0.9 * (self.tolerance / max(error, 1e-300)) ** (1 / 3)))
         self.dt = min(self.largest_dt, growth * dt)
 
-    def _acceleration(self):
-        """Accelerations (n_owned, 6) of the present state, zero along held unknowns."""
+    def _accelerations(self, time):
+        """Force over inertia (n_owned, 6), contact left out, and the loads (n_owned, 3) [N]."""
         eq = self.equilibrium
-        if self.a is None:
-            eq.adopt()
-            eq.level = self.time
-        eq.inertia = eq.factor = None
-        return eq.free_part(-eq.forces() / self._mass6)
+        eq.level, eq.inertia, eq.factor, eq.rubbing = time, None, None, None
+        rates = -eq.forces() / self._mass6
+        rates[:, 3:] = eq.free_part(rates)[:, 3:]
+        outer = np.zeros((self.n_owned, 3))
+        return rates, self.shell.loads.force_at(time, outer, eq.load_factor)
 
     def destroy(self):
         """Free PETSc's objects; the shell keeps its state."""
@@ -212,57 +248,3 @@ class ImplicitNewmark(Stepper):
             self.newton.destroy()
             self.equilibrium.destroy()
             self.newton = None
-
-
-class _Inertial(Equilibrium):
-    """Equilibrium with the inertia of a step whose directors move along great circles.
-
-    Attributes
-    ----------
-    factor : (n_owned, 6) or None, inertia over beta dt^2
-    start_d : (n_owned, 3), directors at the start of the step
-    ahead_u, ahead_d : (n_owned, 3), predicted displacement [m] and predicted turn [rad], a vector
-        tangent to start_d
-    """
-
-    factor = None
-
-    def configure(self, x):
-        """Set w and the frames from the unknowns, and where inertia would have them."""
-        super().configure(x)
-        if self.factor is not None:
-            self.predict()
-
-    def predict(self):
-        """Put the field that inertia pulls the present one to into `inertia`."""
-        d = self._w()[: self.n_owned, 3:]
-        pull = _carry(_turn(self.start_d, d) - self.ahead_d, self.start_d, d)
-        self.inertia = (self.factor, np.hstack([self.ahead_u, d - pull]))
-
-    def free_part(self, rates):
-        """Of rates (n_owned, 6) of w, the part along the unknowns that are not held."""
-        T = self.T[: self.n_owned]
-        rates = director.pull_back(rates, T, self._Q_owned)
-        rates[self.held[: self.n_owned]] = 0.0
-        return director.push_forward(rates, T, self._Q_owned)
-
-
-def _along(vectors, d):
-    """Part of vectors (n, 3) along unit vectors d (n, 3)."""
-    return np.sum(vectors * d, axis=1, keepdims=True) * d
-
-
-def _turn(start, end):
-    """Turns (n, 3) [rad], tangent to `start`, that lead along great circles to `end`."""
-    across = end - _along(end, start)
-    sine = np.linalg.norm(across, axis=1, keepdims=True)
-    angle = np.arctan2(sine, np.sum(start * end, axis=1, keepdims=True))
-    return across * np.where(sine > 0, angle / np.where(sine > 0, sine, 1.0), 1.0)
-
-
-def _carry(vectors, start, end):
-    """Vectors (n, 3) tangent to `start`, carried parallel along the great circle to `end`."""
-    both = start + end
-    return vectors - np.sum(vectors * end, axis=1, keepdims=True) * both / (
-        1 + np.sum(start * end, axis=1, keepdims=True)
-    )

@@ -30,14 +30,15 @@ class InternalForce:
     Attributes
     ----------
     r : (n_local, 6) float, forces work-conjugate to (u, d) [N, N m]; valid on owned nodes
+    loss : float [J], this rank's part of the power of damping in the last call, times its time
     """
 
     def __init__(self, shell, damped=False):
-        self.shell, self.damped = shell, damped
+        self.shell, self.damped, self.loss = shell, damped, 0.0
         self._result = fem.Function(shell.space)
         self.r = self._result.x.array.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
-        self._quads, self._packed, self._rates = None, [], None
+        self._quads, self._packed, self._rates, self._viscous = None, [], None, []
         if by_segments(shell):
             forms, self._quads = [], self._bake()
         else:
@@ -53,24 +54,26 @@ class InternalForce:
         dofs = shell.space.dofmap.list.array.reshape(-1, width // 6)
         self._index = (6 * dofs[:, :, None] + np.arange(6)).reshape(-1, width)
         self._cells = np.empty(self._index.shape)
-        if damped and self._quads is None:
-            self._rates = np.empty(self._index.shape)
-        self._pressure_form = self._forms[-1] if self._pressure is not None else None
-        self._packed = [self._pack(form) for form in self._forms]
+        if self._viscous:
+            self._rates, self._part = np.empty(self._index.shape), np.empty_like(self.r)
+        self._packed = [self._pack(k, form) for k, form in enumerate(self._forms)]
 
     def _strain_forms(self):
         shell, forms = self.shell, []
         v = ufl.TestFunction(shell.space)
         for dx, terms in shell.by_rule():
-            work = 0
+            work = viscous = 0
             for term in terms:
                 strain = term.strain(shell.configuration(shell.w))
                 virtual = expand_derivatives(ufl.derivative(strain, shell.w, v))
-                present = shell.strain(term.strain, shell.w)
+                work += term.product(shell.strain(term.strain, shell.w), virtual) * dx
                 if self.damped:
-                    present += expand_derivatives(ufl.derivative(strain, shell.w, shell.step))
-                work += term.product(present, virtual) * dx
+                    rate = expand_derivatives(ufl.derivative(strain, shell.w, shell.step))
+                    viscous += term.product(rate, virtual) * dx
             forms.append(work)
+            if self.damped:
+                self._viscous.append(len(forms))
+                forms.append(viscous)
         return forms
 
     def _bake(self):
@@ -83,15 +86,13 @@ class InternalForce:
         directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
         return points, cells, *quad_force.baked(points, directors, cells, warp, shell.fabric)
 
-    def _pack(self, form):
+    def _pack(self, k, form):
         """Constants, coefficients, and the columns of the latter that hold w and its rates."""
         shell = self.shell
         coefficients = cpp.fem.pack_coefficients(form)
         ((key, values),) = coefficients.items()
         columns = self._columns(form, shell.w, values)
-        rates = None
-        if self._rates is not None and form is not self._pressure_form:
-            rates = self._columns(form, shell.step, values)
+        rates = self._columns(form, shell.step, values) if k in self._viscous else None
         return cpp.fem.pack_constants(form), {key: values}, columns, rates
 
     def _columns(self, form, function, values):
@@ -123,18 +124,26 @@ class InternalForce:
         damped = self.damped and ahead is not None
         ahead = ahead.reshape(-1, 6) if damped else w
         if self._quads is not None:
-            quad_force.add_force(w, ahead, damped, *self._quads, self.r)
+            self.loss = quad_force.add_force(w, ahead, damped, *self._quads, self.r)
         if self._forms:
             np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
-        if self._rates is not None:
+        if damped and self._viscous:
             np.take(ahead.reshape(-1), self._index, out=self._rates, mode="clip")
             self._rates -= self._cells
+            self.loss = 0.0
         for form, packed in zip(self._forms, self._packed, strict=True):
             constants, coefficients, columns, rates = packed
+            if rates is not None and not damped:
+                continue
             columns[:] = self._cells
-            if rates is not None:
-                rates[:] = self._rates
-            cpp.fem.assemble_vector(flat, form, constants, coefficients)
+            if rates is None:
+                cpp.fem.assemble_vector(flat, form, constants, coefficients)
+                continue
+            rates[:] = self._rates
+            self._part[:] = 0.0
+            cpp.fem.assemble_vector(self._part.ravel(), form, constants, coefficients)
+            self.loss += np.vdot(self._part, ahead - w)
+            self.r += self._part
         if self._parallel:
             self._result.x.scatter_reverse(la.ScatterMode.add)
         return self.r

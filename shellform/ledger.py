@@ -13,9 +13,8 @@ error of the time steps, which is `energy_residual`:
 Works and losses add up from the start, those of contact from the row before. Supports that move are
 booked with their velocity of the last half step, an error of first order.
 
-damping_loss is exact for particles; for a shell see Newmark.balance: exact where forces are linear,
-else off by an error of the size of energy_residual. The work of a follower pressure is booked with
-the internal forces, so with one of these energy_residual (undamped) or damping_loss holds it too.
+The work of a follower pressure is booked with the internal forces: with one, energy_residual holds
+it too.
 """
 
 from pathlib import Path

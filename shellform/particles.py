@@ -115,18 +115,19 @@ class Particles(Newmark):
         """Forces of the springs (n, 6) [N], damped, at present."""
         return self.internal(self.owned, self.v, self.damping)
 
-    def _follow_path(self, r):
-        pass  # what damping takes is booked spring by spring
+    def _damping_loss(self, dt):
+        return 0.0  # booked spring by spring, see `_book`
 
     def _book(self, dt):
         super()._book(dt)
         if self.damping:
             self.works[4] += work_over(self.internal.viscous, self.v_old, self.v, dt)
 
-    def _damping_loss(self, now, v):
-        if not self.damping:
-            return 0.0
-        return now["path"] + work_over(self.internal.viscous, self.v, v, 0.5 * self.last_dt)
+    def _present(self):
+        v, q, works = super()._present()
+        if self.damping:
+            works[4] += work_over(self.internal.viscous, self.v, v, 0.5 * self.last_dt)
+        return v, q, works
 
     def find_stable_step(self, iterations=30):
         """See Newmark; buckling springs count with the slope they start with, on both sides."""

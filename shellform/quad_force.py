@@ -144,7 +144,13 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
     points : (n, 3), reference positions
     cells : (m, 4) int in tensor order; stiffness, rest : see `baked`
     r : (n, 6), added to [N, N m]
+
+    Returns
+    -------
+    Twice what the rates would store as strains [J]: over tau, the power of damping; 0 undamped
     """
+    loss = 0.0
+    speed, slide, flex = np.zeros(6), np.zeros(4), np.zeros(4)
     x, d = np.empty((4, 3)), np.empty((4, 3))
     dx, dd, dm = np.empty((6, 3)), np.empty((6, 3)), np.empty((4, 3))
     b, c, strain, pull = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
@@ -186,16 +192,18 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
                     vd[s, k] = turn[j, k] - turn[i, k]
                 change = _dot(vx[s], dd[s]) + _dot(dx[s], vd[s])
                 bend = b[s] * _dot(dd[s], vd[s]) * (2.0 / 15.0)
-                strain[s] += _dot(dx[s], vx[s])
-                strain[s] += b[s] * (change * (1.0 + 2.0 / 15.0 * c[s]) + bend) / 12.0
+                speed[s] = _dot(dx[s], vx[s])
+                speed[s] += b[s] * (change * (1.0 + 2.0 / 15.0 * c[s]) + bend) / 12.0
+                strain[s] += speed[s]
         for s in range(4):
             i, j = FIRST[s], SECOND[s]
             for k in range(3):
                 dm[s, k] = 0.5 * (d[i, k] + d[j, k])
             gamma[s] = _dot(dx[s], dm[s]) - rest[m, 6 + s]
             if damped:
-                gamma[s] += _dot(vx[s], dm[s])
-                gamma[s] += 0.5 * (_dot(dx[s], turn[i]) + _dot(dx[s], turn[j]))
+                slide[s] = _dot(vx[s], dm[s])
+                slide[s] += 0.5 * (_dot(dx[s], turn[i]) + _dot(dx[s], turn[j]))
+                gamma[s] += slide[s]
             tau[s] = 0.0
         # corners: membrane and shear
         for k in range(4):
@@ -212,6 +220,13 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
             pull[diagonal] -= n3
             tau[one] += C[6] * gamma[one] + C[7] * gamma[two]
             tau[two] += C[7] * gamma[one] + C[8] * gamma[two]
+            if damped:
+                e1, e2 = speed[one], speed[two]
+                e3 = sign * (e1 + e2 - speed[diagonal])
+                loss += C[0] * e1 * e1 + C[3] * e2 * e2 + C[5] * e3 * e3
+                loss += 2.0 * (C[1] * e1 * e2 + C[2] * e1 * e3 + C[4] * e2 * e3)
+                e1, e2 = slide[one], slide[two]
+                loss += C[6] * e1 * e1 + 2.0 * C[7] * e1 * e2 + C[8] * e2 * e2
         for i in range(4):
             for k in range(3):
                 fx[i, k] = fd[i, k] = 0.0
@@ -253,7 +268,8 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
             if damped:
                 vb[k] = _dot(vg[k], h[k]) + _dot(g[k], vh[k])
                 vc[k] = 2.0 * _dot(h[k], vh[k])
-                axis[k] += _turning_rate(gb[k], gc[k], vb[k], vc[k])
+                flex[k] = _turning_rate(gb[k], gc[k], vb[k], vc[k])
+                axis[k] += flex[k]
             moment[k] = 0.0
             for t in range(3):
                 fg[k, t] = fh[k, t] = 0.0
@@ -267,6 +283,7 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
             plus = 1.0 + plus_c / 12.0 + plus_c * plus_c / 90.0
             minus = 1.0 + minus_c / 12.0 + minus_c * minus_c / 90.0
             twist = 0.25 * (plus_b * plus - minus_b * minus) - rest[m, 14 + k]
+            C = stiffness[m, k]
             if damped:
                 rate_b = _dot(vg[one], h[two]) + _dot(vg[two], h[one])
                 rate_b += _dot(g[one], vh[two]) + _dot(g[two], vh[one])
@@ -274,8 +291,10 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
                 sum_b, sum_c = vb[one] + vb[two], vc[one] + vc[two]
                 more = _turning_rate(plus_b, plus_c, sum_b + rate_b, sum_c + rate_c)
                 less = _turning_rate(minus_b, minus_c, sum_b - rate_b, sum_c - rate_c)
-                twist += 0.25 * (more - less)
-            C = stiffness[m, k]
+                e1, e2, e3 = flex[one], flex[two], 0.25 * (more - less)
+                twist += e3
+                loss += C[9] * e1 * e1 + C[12] * e2 * e2 + C[14] * e3 * e3
+                loss += 2.0 * (C[10] * e1 * e2 + C[11] * e1 * e3 + C[13] * e2 * e3)
             k1, k2 = axis[one], axis[two]
             moment[one] += C[9] * k1 + C[10] * k2 + C[11] * twist
             moment[two] += C[10] * k1 + C[12] * k2 + C[13] * twist
@@ -326,3 +345,4 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
             for t in range(3):
                 r[node, t] += fx[i, t]
                 r[node, 3 + t] += fd[i, t]
+    return loss

@@ -25,19 +25,19 @@ from .stepper import Unstable
 
 def changing(stepper):
     """The arrays that steps change."""
-    return [stepper.w, stepper.v, stepper.q, stepper.works, stepper.totals, stepper.path]
+    return [stepper.w, stepper.v, stepper.q, stepper.works, stepper.totals]
 
 
 def clock(stepper):
     """The numbers that steps change, (6,)."""
     times = stepper.time, stepper.dt, stepper.last_dt, stepper.critical_dt
-    return np.array([*times, stepper.steps, stepper.on_path])
+    return np.array([*times, stepper.steps, stepper.last_kick])
 
 
 def set_clock(stepper, numbers):
     """Bring back what `clock` gave."""
     stepper.time, stepper.dt, stepper.last_dt, stepper.critical_dt = numbers[:4].tolist()
-    stepper.steps, stepper.on_path = int(numbers[4]), bool(numbers[5])
+    stepper.steps, stepper.last_kick = int(numbers[4]), float(numbers[5])
     stepper.fault, stepper.moved_sum = None, 0.0
 
 

@@ -12,15 +12,20 @@ Contact is booked as impulses in every step, so the torque of a step is exact in
 is reported is the mean over a window between two records, without any other filter.
 """
 
+import csv
+from pathlib import Path
+
 import numpy as np
 from numba import njit
+
+from .results import write_atomically
 
 AXES = "xyz"
 COLUMNS = ("time", "joint", "torque_x", "torque_y", "torque_z", "torque_flexion", "power")
 
 
 @njit(cache=True, error_model="numpy")
-def add_torque(table, centres, counts, joints, axes, spins, dt, total):
+def add_torque(table, centres, counts, joints, axes, spins, total):
     """Add a step's torque impulses on the wearer about all joints.
 
     Parameters
@@ -28,7 +33,7 @@ def add_torque(table, centres, counts, joints, axes, spins, dt, total):
     table : (m, >= 6), impulse [N s] of every segment on the cloth and its moment about the
         segment's centre [N m s]
     centres : (m, 3) [m]; counts : (k, m) bool, segments that count for a joint
-    joints, axes : (k, 3), centres [m] and flexion axes; spins : (k, 3) [rad/s]; dt : float [s]
+    joints, axes : (k, 3), centres [m] and flexion axes; spins : (k, 3) [rad/s]
     total : (k, 5), added to: torque impulse (3), about the flexion axis [N m s], work [J]
     """
     moment = np.empty(3)
@@ -57,6 +62,7 @@ class Torque:
     parts : 'distal', all ellipsoids below a joint; 'child', those of the segment just below; or a
         dict, joint -> names of ellipsoids
     path : CSV file for the rows, written by rank 0, or None
+    resumed : state of a run that is gone on with, see `saved`; rows up to its time stay in the file
 
     Attributes
     ----------
@@ -68,7 +74,7 @@ class Torque:
     ValueError for an unknown joint, ellipsoid or kind of parts
     """
 
-    def __init__(self, touch, stepper, parts="distal", path=None):
+    def __init__(self, touch, stepper, parts="distal", path=None, resumed=None):
         wearer = touch.correction.body
         self.touch, self.wearer, self.joints = touch, wearer, wearer.joints
         self.parts = chosen_parts(wearer, parts)
@@ -78,16 +84,20 @@ class Torque:
         self.total, self.seconds = np.zeros((len(self.joints), 5)), 0.0
         self._joints, self._comm = wearer.new_joints(), stepper.shell.comm
         self.rows = []
-        self.path = path if path is not None and self._comm.rank == 0 else None
+        self.path = None if path is None or self._comm.rank else Path(path)
+        if resumed is not None:
+            self.rows = rows_until(path, stepper.time)
+            self.total[:] = resumed["torque"] if self._comm.rank == 0 else 0.0
+            self.seconds = float(resumed["torque_seconds"])
         if self.path:
-            self.path.write_text(",".join(COLUMNS) + "\n")
+            write_atomically(self.path, ",".join(COLUMNS) + "\n" + "".join(map(line, self.rows)))
         stepper.hooks.append(self)
 
     def __call__(self, stepper, dt):
         correction = self.touch.correction
         now = self.wearer.joint_state(stepper.time, self._joints)
         centres, table = correction.start_pose.centres, correction.last.table
-        add_torque(table, centres, self.counts, *now, dt, self.total)
+        add_torque(table, centres, self.counts, *now, self.total)
         self.seconds += dt
 
     def record(self, time):
@@ -105,13 +115,24 @@ class Torque:
         return rows
 
     def state(self):
-        """Sums of the open window, for `restore`."""
-        return {"total": self._comm.allreduce(self.total), "seconds": self.seconds}
+        """Sums of the open window on this rank, for `restore` (copies)."""
+        return self.total.copy(), self.seconds
 
     def restore(self, state):
-        """Continue from `state()`; sums over ranks live on the first one."""
-        self.total[:] = state["total"] if self._comm.rank == 0 else 0.0
-        self.seconds = float(state["seconds"])
+        """Continue from `state()`."""
+        self.total[:], self.seconds = state
+
+    def saved(self):
+        """Sums of the open window over all ranks, for `resumed`; all ranks call."""
+        return {"torque": self._comm.allreduce(self.total), "torque_seconds": self.seconds}
+
+
+def rows_until(path, time):
+    """Rows of a torque.csv up to a time [s]."""
+    with open(path) as file:
+        rows = list(csv.DictReader(file))
+    rows = [{k: v if k == "joint" else float(v) for k, v in row.items()} for row in rows]
+    return [row for row in rows if row["time"] <= time + 1e-9]
 
 
 def chosen_parts(wearer, parts):
@@ -136,25 +157,40 @@ def line(row):
     return ",".join(v if isinstance(v, str) else f"{v:.10g}" for v in values) + "\n"
 
 
-def resistance(rows, joint, strides=()):
+def resistance(rows, joint, strides=(), start=None):
     """What the clothing costs a joint, integrated over time.
 
     Parameters
     ----------
     rows : see `Torque`; joint : str
-    strides : (start, end) times [s] of the strides to report one by one
+    strides : (start, end) times [s] of the strides to report one by one; a window belongs to the
+        stride in which it ends
+    start : float [s] or None, begin of the first window; None: it is as long as the second
 
     Returns
     -------
     dict with `peak_torque`, `rms_torque` [N m] of the flexion component, `work` [J] given to the
     joint, `resistance` [J], the sum of its negative parts by window, and `strides`, a list of the
     same for each stride
+
+    Raises
+    ------
+    ValueError when there is no row of the joint, or one only and no `start`
     """
     own = [row for row in rows if row["joint"] == joint]
+    if not own:
+        known = sorted({row["joint"] for row in rows})
+        raise ValueError(f"no torque about a joint '{joint}'; there are: {', '.join(known)}")
     time = np.array([row["time"] for row in own])
     torque = np.array([row["torque_flexion"] for row in own])
     power = np.array([row["power"] for row in own])
-    width = np.diff(time, prepend=time[0] - (time[1] - time[0]) if len(time) > 1 else time[0])
+    if start is None:
+        if len(time) == 1:
+            raise ValueError(
+                f"one window of '{joint}' does not tell how long it is: give its start"
+            )
+        start = 2 * time[0] - time[1]
+    width = np.diff(time, prepend=start)
 
     def summary(mask):
         if not mask.any():

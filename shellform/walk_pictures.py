@@ -184,3 +184,36 @@ def torque_figure(path, torques, joints, title=""):
     np.atleast_1d(grid)[0].set_ylabel("flexion torque [N m]", fontsize=8)
     np.atleast_1d(grid)[0].legend(frameon=False, fontsize=8)
     save_figure(figure, Path(path))
+
+
+def draw_all(folder, wearer, dressing, run, torques, joint, title, count=9):
+    """walk.png, torque.png and walk.gif in a folder.
+
+    Parameters
+    ----------
+    folder : path; wearer : Wearer
+    dressing : see `walk_figure`; run : folder with the series to draw
+    torques : dict, label -> rows of torque.csv; joint : str, of walk.png
+    """
+    folder = Path(folder)
+    frames = [frame for frame in read_frames(run) if frame.time >= wearer.start - 1e-9]
+    picked = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
+    curves = []
+    for label, rows in torques.items():
+        own = [(row["time"], row["torque_flexion"]) for row in rows if row["joint"] == joint]
+        curves.append((label, *np.transpose(own)))
+    box = obstacle_of(wearer.recording)
+    keys = [frames[k] for k in picked]
+    walk_figure(folder / "walk.png", wearer, dressing, keys, curves, joint, box, title)
+    torque_figure(folder / "torque.png", list(torques.items()), wearer.joints)
+    seconds = (frames[-1].time - frames[0].time) / max(1, len(frames) - 1)
+    walk_animation(folder / "walk.gif", wearer, frames, seconds, box)
+
+
+def obstacle_of(recording, width=0.9):
+    """Lowest corner (3,) and size (3,) [m] of the obstacle of a synthetic walk, or None."""
+    facts = recording.facts.get("obstacle")
+    if not facts:
+        return None
+    corner = np.array([facts["front"], -0.5 * width, 0.0])
+    return corner, np.array([facts["depth"], width, facts["height"]])

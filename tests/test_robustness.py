@@ -209,7 +209,7 @@ def test_free_fall_has_no_energy_residual():
 
 def test_energy_of_a_drape_is_accounted_for():
     """Impacts, friction, drag and damping leave little over; at rest nothing runs away."""
-    stepper, touch = drape(damping=1e-3, drag=4.0)
+    stepper, touch = drape(0.4, damping=2e-4, drag=4.0)
     ledger = Ledger(None, stepper, touch)
     for k in range(1, 11):
         stepper.advance(0.2 * k)

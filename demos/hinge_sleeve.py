@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+r"""A sleeve around a bending knee: torque against angle, and where its energy goes.
+
+A stretched tube sits on a knee of two ellipsoids, held by contact alone: the limb is thinnest at
+the joint. The shank bends and straightens in cycles. Without friction the torque follows from the
+strain energy U of the sleeve, and a cycle takes nothing:
+
+    tau = -dU/dtheta.
+
+With friction the torque opposes the motion, and the loop it runs through encloses what friction
+takes in a cycle (less, in the first one, what stays in the sleeve).
+
+    python demos/hinge_sleeve.py --friction 0 0.2 --cycles 2 --out out/hinge_sleeve
+    mpirun -n 2 python demos/hinge_sleeve.py
+
+prints a table and leaves summary.json, torque.csv of the last run and hinge_sleeve.png.
+"""
+
+import argparse
+
+from mpi4py import MPI
+
+import numpy as np
+
+import meshes
+from contact.recording import Recording
+from contact.wearer import Wearer
+from shellform import Fabric, Shell, command
+from shellform.ledger import Ledger
+from shellform.newmark import Newmark
+from shellform.results import Report
+from shellform.torque import Torque
+from shellform.touch import Touch
+
+COMM = MPI.COMM_WORLD
+RADIUS, LENGTH, APART = (
+    0.06,
+    0.3,
+    0.1,
+)  # of an ellipsoid: two semi-axes; from the knee to its middle
+REST, HALF = 0.055, 0.06  # radius and half the length of the sleeve
+STILL, WINDOWS = 0.05, 60  # s, to settle; rows a cycle
+BELOW = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -0.4], [0.0, -0.06, -0.4]])  # J1, J2, M of the shank
+ABOVE = np.array([[0.0, 0.0, 0.4], [0.0, 0.0, 0.0], [0.0, -0.06, 0.0]])  # of the thigh
+
+
+def arguments(given):
+    parser = argparse.ArgumentParser(
+        allow_abbrev=False,
+        description="Bend a knee in a sleeve; draw the torque against the angle.",
+        epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
+    )
+    positive = command.positive
+    parser.add_argument("--friction", type=float, nargs="+", default=[0.0, 0.2])
+    parser.add_argument("--angle", type=positive(float), default=20.0, help="degrees")
+    parser.add_argument("--period", type=positive(float), default=0.3, help="of a cycle, s")
+    parser.add_argument("--cycles", type=positive(int), default=2)
+    parser.add_argument("--around", type=positive(int), default=32, help="cells, with 9 along")
+    parser.add_argument("--out", default="out/hinge_sleeve", help="folder for results")
+    return command.parse(parser, given)
+
+
+def flexion(options, t):
+    """Angle [rad] at times t."""
+    cycles = np.maximum(t - STILL, 0.0) / options.period
+    return np.radians(options.angle) * np.sin(np.pi * cycles) ** 2
+
+
+def knee(options):
+    """The wearer: a thigh that stands still and a shank that bends about the origin."""
+    end = STILL + options.cycles * options.period
+    times = np.linspace(0.0, end, int(np.ceil(400 * end / min(options.period, 1.0))) + 1)
+    cos, sin = np.cos(flexion(options, times)), np.sin(flexion(options, times))
+    shank = np.stack(
+        [np.outer(sin, BELOW[:, 2]), 0 * sin[:, None] + BELOW[:, 1], np.outer(cos, BELOW[:, 2])],
+        axis=-1,
+    )
+    points = {"right_thigh": np.array([ABOVE] * len(times)), "right_shank": shank}
+    middle, radii = 0.2 - APART, (LENGTH, RADIUS, RADIUS)
+    ellipsoids = [("thigh", "right_thigh", (middle, 0, 0), radii)]
+    ellipsoids += [("shank", "right_shank", (-middle, 0, 0), radii)]
+    return Wearer(Recording(times, points, "hinge"), ellipsoids)
+
+
+def sleeve(options):
+    """The stretched tube, two millimetres off the limb."""
+    surface = meshes.cylinder(REST, 2 * HALF, (options.around, max(3, round(options.around / 3.6))))
+    surface = surface.transform(translation=(0, 0, -HALF)).replace(warp=(0.0, 0.0, 1.0))
+    plane = np.diag([1.0, 1.0, 0.5])
+    fabric = Fabric.from_stiffness(1e3 * plane, 3e-4 * plane, areal_mass=0.2, thickness=1e-3)
+    shell = Shell(surface, fabric, COMM)
+    X = surface.points[shell.partition.nodes]
+    limb = RADIUS * np.sqrt(1 - ((APART - np.abs(X[:, 2:])) / LENGTH) ** 2) + 2e-3
+    shell.w.x.array.reshape(-1, 6)[:, :2] = (limb / REST - 1) * X[:, :2]
+    return shell
+
+
+def cycles(options, friction, folder):
+    """Play all cycles; columns angle [rad], torque [N m], strain energy [J]; losses a cycle [J]."""
+    stepper = Newmark(sleeve(options), 0.9, drag=100.0)
+    touch = Touch(stepper, knee(options), friction)
+    stepper.advance(STILL)
+    stepper.drag = 10.0
+    touch.correction.reset()
+    torque, ledger = (
+        Torque(touch, stepper, path=folder / "torque.csv"),
+        Ledger(None, stepper, touch),
+    )
+    count = WINDOWS * options.cycles
+    times = STILL + options.period * np.arange(count + 1) / WINDOWS
+    strain, lost, found = [ledger.record()["strain"]], [], []
+    for time in command.progress(times[1:], count, f"friction {friction:g}"):
+        stepper.advance(time)
+        row = ledger.record()
+        strain.append(row["strain"])
+        lost.append(row["friction_loss"])
+        found += [r["torque_flexion"] for r in torque.record(time) if r["joint"] == "right_knee"]
+    theta = flexion(options, times)
+    turned, found, strain = np.diff(theta), np.array(found), np.array(strain)
+    by_cycle = (-1, WINDOWS)
+    return {
+        "angle": 0.5 * (theta[1:] + theta[:-1]),
+        "torque": found,
+        "loop": -(found * turned).reshape(by_cycle).sum(axis=1),
+        "friction": np.reshape(lost, by_cycle).sum(axis=1),
+        "kept": np.diff(strain).reshape(by_cycle).sum(axis=1),
+        "slope": -np.diff(strain) / np.where(turned == 0, np.nan, turned),
+    }
+
+
+def draw(path, runs):
+    """Torque against angle, and -dU/dtheta where there is no friction."""
+    from shellform.pictures import new_figure, save_figure
+
+    figure, axes = new_figure(1, (6.5, 4.5), "A sleeve around a bending knee")
+    for friction, run in runs.items():
+        angle = np.degrees(run["angle"])
+        axes.plot(angle, run["torque"], lw=1.3, label=f"friction {friction:g}")
+        if friction == 0:
+            axes.plot(angle, run["slope"], "k.", ms=4, label="$-dU/d\\theta$")
+    axes.set_xlabel("flexion [degrees]")
+    axes.set_ylabel("torque on the shank [N m]")
+    axes.legend(frameon=False)
+    save_figure(figure, path)
+
+
+def main(given=None):
+    # ## One run for every coefficient of friction
+    options = arguments(given)
+    report = Report(options.out, "hinge_sleeve", vars(options), COMM)
+    runs = {}
+    for friction in options.friction:
+        with report.stage("solve"):
+            runs[friction] = cycles(options, friction, report.folder)
+
+    # ## Results
+    if COMM.rank == 0:
+        print("friction  cycle  loop of torque [J]  friction took [J]  stayed [J]  peak [N m]")
+        for friction, run in runs.items():
+            peaks = np.abs(run["torque"]).reshape(-1, WINDOWS).max(axis=1)
+            table = zip(run["loop"], run["friction"], run["kept"], peaks, strict=True)
+            for k, (loop, lost, kept, peak) in enumerate(table, start=1):
+                print(
+                    f"{friction:8g}  {k:5d}  {loop:18.5f}  {lost:17.5f}  {kept:10.5f}  {peak:.4f}"
+                )
+        with report.stage("output"):
+            draw(report.folder / "hinge_sleeve.png", runs)
+    keys = ("loop", "friction", "kept")
+    report.write({f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()})
+    if COMM.rank == 0:
+        print(f"wrote {report.folder}/summary.json, torque.csv, hinge_sleeve.png")
+
+
+if __name__ == "__main__":
+    command.run(main)
