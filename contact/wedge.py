@@ -16,7 +16,7 @@ from numba import njit
 
 PINCHED = -1
 # a wedge so narrow that the way out is this many times the overlap holds the point instead
-EJECTION = 10.0
+EJECTION = 2.0
 ACCEPTED = 1e-6  # leftover over overlap; between distinct bodies it is 1e-15 or of order one
 
 

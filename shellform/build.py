@@ -13,7 +13,7 @@ from contact import anthropometry
 from contact.gait import standing_of, synthetic_walk
 from contact.lead_in import lead_in
 from contact.leg import ANKLE_UP
-from contact.recording import SIDES
+from contact.recording import SIDES, Recording
 from contact.wearer import Wearer
 
 from .scene_file import fabric_of
@@ -37,6 +37,7 @@ def wearer_of(scene):
             obstacle=motion.obstacle,
             obstacle_stride=min(3, motion.strides),
         )
+        recording = cut(recording, motion.start, motion.end)
     else:
         from contact.motion import read_motion
 
@@ -58,6 +59,20 @@ def wearer_of(scene):
         lengths, stature=stature, mass=person.mass, girths=person.girths or None
     )
     return Wearer(recording, ellipsoids)
+
+
+def cut(recording, start=None, end=None):
+    """Part of a recording between two times [s]; ValueError if that holds less than two frames."""
+    times = recording.times
+    keep = times >= (-np.inf if start is None else start - 1e-9)
+    keep &= times <= (np.inf if end is None else end + 1e-9)
+    if keep.sum() < 2:
+        raise ValueError(
+            f"{recording.source} lasts from {times[0]:.3f} to {times[-1]:.3f} s: motion.start = "
+            f"{start} and motion.end = {end} leave less than two frames of it"
+        )
+    points = {name: track[keep] for name, track in recording.points.items()}
+    return Recording(times[keep], points, recording.source, recording.notes, recording.facts)
 
 
 def at_rest(recording, standing, near=1e-6):

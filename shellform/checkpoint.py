@@ -13,12 +13,13 @@ import numpy as np
 from . import __version__, rewind
 
 
-def save(path, stepper, touch=None):
+def save(path, stepper, touch=None, more=None):
     """Write a checkpoint atomically; all ranks call.
 
     Parameters
     ----------
     path : .npz file; stepper : Newmark; touch : Touch or None
+    more : dict of further arrays, texts and numbers by names of their own, those of rank 0
     """
     comm, gather = stepper.shell.comm, stepper.shell.partition.gather
     state = {
@@ -30,7 +31,7 @@ def save(path, stepper, touch=None):
         "work": comm.allreduce(stepper.works),
         "totals": comm.allreduce(stepper.totals),
         "version": np.array(__version__),
-    }
+    } | (more or {})
     if touch is not None:
         window = touch.correction.window
         state |= _contact(stepper, touch)
@@ -47,6 +48,10 @@ def save(path, stepper, touch=None):
 
 def load(path, stepper, touch=None):
     """Continue from a checkpoint of the same scene; all ranks call.
+
+    Returns
+    -------
+    dict of all arrays in the file
 
     Raises
     ------
@@ -69,7 +74,7 @@ def load(path, stepper, touch=None):
     stepper.works[:] = state["work"] if first else 0.0
     stepper.totals[:] = state["totals"] if first else 0.0
     if touch is None:
-        return
+        return state
     if "segment" not in state:
         raise ValueError(f"{path} holds no state of contact")
     window = touch.correction.window
@@ -77,6 +82,7 @@ def load(path, stepper, touch=None):
     window.impulse[:] = state["window_impulse"][nodes]
     window.table[:] = state["window_table"] if first else 0.0
     window.seconds = float(state["window_seconds"])
+    return state
 
 
 def _contact(stepper, touch):

@@ -17,9 +17,12 @@ The work of a follower pressure is booked with the internal forces: with one, en
 it too.
 """
 
+import csv
 from pathlib import Path
 
 import numpy as np
+
+from .results import write_atomically
 
 AXES = "xyz"
 
@@ -32,27 +35,38 @@ class Ledger:
     path : CSV file, written by rank 0; None: rows are only returned
     stepper : Newmark or ImplicitNewmark
     touch : Touch or None
+    resumed : state of a run that is gone on with, see `saved`; its rows stay in the file
 
     Attributes
     ----------
     rows : list of dict
     """
 
-    def __init__(self, path, stepper, touch=None):
+    def __init__(self, path, stepper, touch=None, resumed=None):
         self.stepper, self.touch, self.rows = stepper, touch, []
         self._path = None if path is None or stepper.shell.comm.rank else Path(path)
-        self._contact, self._contact_work = np.zeros(3), 0.0
-        self._start = (self._momentum(), stepper.balance())
-        if self._path:
-            self._path.unlink(missing_ok=True)
+        if resumed is None:
+            self._contact, self._contact_work = np.zeros(3), 0.0
+            self._start = self._momentum(), self._impulses(), stepper.balance()
+            if self._path:
+                self._path.unlink(missing_ok=True)
+            return
+        kinds, numbers, sums = (resumed[f"ledger_{name}"] for name in ("kinds", "start", "sums"))
+        start = dict(zip(kinds.tolist(), numbers[12:].tolist(), strict=True))
+        self._start = numbers[:3], numbers[3:12].reshape(3, 3), start
+        self._contact, self._contact_work = sums[:3].copy(), float(sums[3])
+        with open(path) as file:
+            rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+        self.rows = [row for row in rows if row["time"] <= stepper.time + 1e-9]
+        if self._path and self.rows:
+            head = ",".join(self.rows[0]) + "\n"
+            write_atomically(self._path, head + "".join(map(_line, self.rows)))
 
     def record(self):
         """Append a row for the present time and begin a new window of contact; all ranks call."""
         stepper, comm = self.stepper, self.stepper.shell.comm
-        start, now = self._start[1], stepper.balance()
-        impulses = comm.allreduce(
-            np.array([stepper.external_total, stepper.support_total, stepper.drag_total])
-        )
+        start, now = self._start[2], stepper.balance()
+        impulses = self._impulses() - self._start[1]
         momentum = self._momentum()
         row = {"time": stepper.time, "kinetic": now["kinetic"], "strain": now["strain"]}
         change = {kind: now[kind] - start[kind] for kind in now}
@@ -90,10 +104,25 @@ class Ledger:
                 file.write((",".join(row) + "\n" if first else "") + _line(row))
         return row
 
+    def saved(self):
+        """What a later part of the run needs, for `resumed`."""
+        momentum, impulses, start = self._start
+        return {
+            "ledger_start": np.concatenate([momentum, impulses.ravel(), list(start.values())]),
+            "ledger_kinds": np.array(list(start)),
+            "ledger_sums": np.append(self._contact, self._contact_work),
+        }
+
+    def _impulses(self):
+        """Impulses of loads, supports and drag so far (3, 3) [N s], over all ranks."""
+        stepper = self.stepper
+        own = [stepper.external_total, stepper.support_total, stepper.drag_total]
+        return stepper.shell.comm.allreduce(np.array(own))
+
     def _momentum(self):
         stepper = self.stepper
         return stepper.shell.comm.allreduce(stepper.mass @ stepper.v)
 
 
 def _line(row):
-    return ",".join(f"{value:.10g}" for value in row.values()) + "\n"
+    return ",".join(f"{value:.12g}" for value in row.values()) + "\n"

@@ -92,7 +92,7 @@ class Steps:
 
     accuracy: str = "draft"
     time_step_factor: float = 0.9
-    damping: float = _unit(1e-4, "s")
+    damping: float = _unit(0.0, "s")
     drag: float = _unit(0.3, "1/s")
     dressing: str = "shell"
 
@@ -174,7 +174,7 @@ RANGES = {
     "contact.kinetic_friction": (0, 2, "not above the static friction"),
     "contact.offset": (0, 0.02, "half the thickness of the cloth, in m"),
     "steps.time_step_factor": (0.01, 1, "a part of the largest stable step"),
-    "steps.damping": (0, 1e-2, "1e-4 s is usual"),
+    "steps.damping": (0, 1e-2, "1e-5 s is much; it shortens the step"),
     "steps.drag": (0, 100, "0.3 1/s is usual"),
     "output.window": (1e-4, 1, "0.02 s is usual"),
     "output.frames": (0.1, 200, "pictures a second"),

@@ -102,9 +102,9 @@ def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None
     from matplotlib.figure import Figure
 
     rows = 3
-    figure = Figure(figsize=(15, 13), layout="constrained")
+    figure = Figure(figsize=(15, 12), layout="constrained")
     figure.suptitle(title, fontsize=13)
-    above, middle, below = figure.subfigures(rows, 1, height_ratios=(1, 1.15, 0.9))
+    above, middle, below = figure.subfigures(rows, 1, height_ratios=(1, 0.9, 0.9))
     above.suptitle("Dressing", fontsize=10)
     panels = above.subplots(1, len(dressing), squeeze=False)[0]
     for axes, (label, frame, without) in zip(panels, dressing, strict=True):
@@ -114,6 +114,7 @@ def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None
     rate = wearer.recording.rate
     middle.suptitle("Key frames, with their numbers", fontsize=10)
     panels = middle.subplots(1, len(key_frames), squeeze=False)[0]
+    right, up, _ = view_axes(*VIEW)
     for axes, frame in zip(panels, key_frames, strict=True):
         corners = draw_clothed(axes, frame, wearer)
         centre = corners.mean(axis=0)
@@ -121,10 +122,10 @@ def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None
             corner, size = obstacle
             if abs(corner[0] + 0.5 * size[0] - centre[0]) < 0.6:
                 draw_box(axes, corner, size)
-        right, up, _ = view_axes(*VIEW)
-        axes.set_xlim(centre @ right - 0.55, centre @ right + 0.55)
-        axes.set_ylim(corners[:, 2].min() * up[2] - 0.25, 1.35)
-        axes.set_title(f"{frame_number(frame.time, rate)}", fontsize=9, y=-0.06)
+        low = (corners @ up).min()
+        axes.set_xlim(centre @ right - 0.48, centre @ right + 0.48)
+        axes.set_ylim(low - 0.05, low + 1.4)
+        axes.set_title(f"{frame_number(frame.time, rate)}", fontsize=9, y=-0.08)
     axes = below.subplots()
     for (label, times, torque), colour in zip(curves, COLOURS, strict=False):
         axes.plot(times, torque, lw=1.2, label=label, color=colour)
@@ -150,7 +151,7 @@ def walk_animation(path, wearer, frames, seconds, obstacle=None):
     from matplotlib.figure import Figure
 
     images = []
-    right = view_axes(*VIEW)[0]
+    right, up, _ = view_axes(*VIEW)
     for frame in frames:
         figure = Figure(figsize=(4, 5), dpi=70)
         FigureCanvasAgg(figure)
@@ -160,7 +161,8 @@ def walk_animation(path, wearer, frames, seconds, obstacle=None):
             draw_box(axes, *obstacle)
         centre = corners.mean(axis=0)
         axes.set_xlim(centre @ right - 0.6, centre @ right + 0.6)
-        axes.set_ylim(-0.15, 1.35)
+        low = (corners @ up).min()
+        axes.set_ylim(low - 0.1, low + 1.4)
         axes.set_axis_off()
         figure.canvas.draw()
         images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())

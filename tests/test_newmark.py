@@ -309,7 +309,7 @@ def test_damping_resists_strain_rates_alone(element):
 
 
 def test_damping_does_not_feed_a_buckling_sheet():
-    """Pressed flat, a sheet gives energy to a bulge; damping must not count that as a resistance."""
+    """Pressed flat, a sheet gives energy to a bulge; damping must not take that for resistance."""
     shell = sheet(12)
     w = shell.w.x.array.reshape(-1, 6)
     x = shell.surface.points[shell.partition.nodes]

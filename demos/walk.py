@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+r"""Trousers on a walking wearer, and the torque they exert: the paper's Figs. 7, 8 and 10.
+
+The wearer is dressed as in Fig. 7, walks four strides, the third over an obstacle of 0.5 m, and the
+contact forces give the torque about every joint, for compliant and for stiff trousers.
+
+    python demos/walk.py --out out/walk
+    mpirun -n 2 python demos/walk.py                  # one rank a fabric
+    python demos/walk.py --motion walk.c3d --fabric stiff
+
+leaves walk.png, torque.png, walk.gif and summary.json in the folder, and a folder a fabric with
+torque.csv, ledger.csv, a series for ParaView, the dressed state and a checkpoint
+(`shellform resume`).
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from mpi4py import MPI
+
+import numpy as np
+
+from shellform import activity, build, command
+from shellform.results import Report
+from shellform.scene import Garment, Motion, Output, Scene, Steps
+from shellform.torque import rows_until
+
+COMM = MPI.COMM_WORLD
+JOINT = "right_knee"
+
+
+def arguments(given):
+    parser = argparse.ArgumentParser(
+        allow_abbrev=False,
+        description="Dress a walker in trousers; the torque they exert about the joints.",
+        epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
+    )
+    positive = command.positive
+    parser.add_argument("--motion", default="synthetic", help="'synthetic' or C3D, TRC, CSV file")
+    parser.add_argument(
+        "--fabric", nargs="+", default=["compliant", "stiff"], help="names of cards, or files"
+    )
+    parser.add_argument("--accuracy", default="draft", help="draft, standard, fine or N%%")
+    parser.add_argument("--obstacle", type=float, default=0.5, help="height, m; 0 for none")
+    parser.add_argument("--seconds", type=positive(float), help="of the motion (default: all)")
+    parser.add_argument("--cell-size", type=positive(float), help="m (default: accuracy)")
+    parser.add_argument("--belt", type=float, default=20.0, help="tension, N")
+    parser.add_argument("--friction", type=float, default=0.3)
+    parser.add_argument("--window", type=positive(float), default=0.02, help="of averages, s")
+    parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
+    parser.add_argument("--frames", type=positive(float), default=15.0, help="pictures a second")
+    parser.add_argument("--out", type=Path, default=Path("out/walk"), help="folder for results")
+    return command.parse(parser, given)
+
+
+def scene_of(options, fabric):
+    """Scene of one fabric."""
+    return Scene(
+        fabric=fabric,
+        motion=Motion(file=options.motion, obstacle=options.obstacle, end=options.seconds),
+        garment=Garment(cell_size=options.cell_size),
+        steps=Steps(accuracy=options.accuracy, time_step_factor=options.time_step_factor),
+        output=Output(window=options.window, frames=options.frames),
+        belt=options.belt,
+        title=f"walk in {Path(fabric).stem} trousers",
+    )
+
+
+def main(given=None):
+    # ## One scene a fabric
+    #
+    # Ranks form one group a fabric; without enough ranks the fabrics follow one another.
+    options = arguments(given)
+    report = Report(options.out, "walk", vars(options), COMM)
+    names = [Path(fabric).stem for fabric in options.fabric]
+    scenes = [scene_of(options, fabric) for fabric in options.fabric]
+    scenes = [replace(s, contact=replace(s.contact, friction=options.friction)) for s in scenes]
+    groups = min(COMM.size, len(names))
+    mine = COMM.rank % groups
+    comm = COMM.Split(mine, COMM.rank)
+
+    # ## Dressing and walking
+    results = {}
+    with report.stage("solve"):
+        for name, scene in list(zip(names, scenes, strict=True))[mine::groups]:
+            results[name] = activity.run(scene, options.out / name, comm)
+    parts = COMM.allgather(results)
+    results = {name: part[name] for name in names for part in parts if name in part}
+
+    # ## Pictures and the report
+    if COMM.rank == 0:
+        with report.stage("output"):
+            draw(options, names, scenes[0])
+        for name in names:
+            print(f"\n{name} trousers")
+            print("\n".join(activity.told(results[name])))
+    summaries = [activity.summary_of(options.out / name) for name in names]
+    first = {key: summaries[0][key] for key in ("cells", "nodes", "dofs", "plan")}
+    report.summary |= first
+    report.write(
+        results[names[0]] | {"fabrics": results},
+        steps=sum(summary["steps"] for summary in summaries),
+        newton_iterations=0,
+    )
+    if COMM.rank == 0:
+        print(f"\nwrote {options.out}/walk.png, torque.png, walk.gif, summary.json")
+
+
+def draw(options, names, scene):
+    """walk.png, torque.png and walk.gif."""
+    from shellform import walk_pictures
+
+    first = options.out / names[0]
+    rows = {name: rows_until(options.out / name / "torque.csv", np.inf) for name in names}
+    title = f"Trousers of {names[0]} cloth; torque of the clothing on the wearer"
+    dressing = activity.dressing_frames(first)
+    wearer = build.wearer_of(scene)
+    walk_pictures.draw_all(options.out, wearer, dressing, first, rows, JOINT, title)
+
+
+if __name__ == "__main__":
+    command.run(main)

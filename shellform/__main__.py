@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The command: `shellform new | check | run | resume`, also as `python -m shellform`.
+
+    shellform new scene.toml        writes a commented scene to start from
+    shellform check scene.toml      says what would be modelled and what it would cost
+    shellform run scene.toml        dresses the wearer, plays the motion, reports torques
+    shellform resume out/scene      goes on with a run that was stopped
+
+Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
+"""
+
+import argparse
+from pathlib import Path
+
+from mpi4py import MPI
+
+from . import command
+
+TEMPLATE = """\
+# A scene of shellform. Everything left out has the value shown; paths are relative to this file.
+title = "trousers over an obstacle"
+fabric = "compliant"        # or "stiff", a card.toml, or a table as in a card
+belt_N = 20                 # tension of the belt; 0 for none
+
+[motion]
+file = "synthetic"          # or a capture: walk.c3d, walk.trc, walk.csv
+# map = "..."               # segment map of its markers, where none fits by itself
+# start_s = 0.0             # part of the capture to use
+# end_s = 2.0
+obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for none
+
+[person]
+# stature_m = 1.76          # where the recording does not tell
+# girths_m = { waist = 0.94, hip = 1.02, thigh = 0.62, calf = 0.39, ankle = 0.23 }
+
+[garment]
+# size = "large-regular"    # or file = "trousers.obj" with an edge named "waist"
+# measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
+
+[contact]
+friction = 0.3
+
+[steps]
+accuracy = "draft"          # standard, fine, or a percentage
+
+[output]
+window_s = 0.02             # torques are means over this time
+frames_per_s = 10
+parts = "distal"            # AJ: which parts count for a joint; "child", or a table
+"""
+
+
+def parser():
+    """Parser of the command line."""
+    top = argparse.ArgumentParser(
+        prog="shellform",
+        allow_abbrev=False,
+        description="What clothing does to its wearer, mechanically.",
+        epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
+    )
+    kinds = top.add_subparsers(dest="do", required=True)
+    new = kinds.add_parser("new", help="write a commented scene to start from")
+    new.add_argument("scene", type=Path)
+    check = kinds.add_parser("check", help="say what would be modelled and what it would cost")
+    check.add_argument("scene", type=Path)
+    run = kinds.add_parser("run", help="dress the wearer, play the motion, report torques")
+    run.add_argument("scene", type=Path)
+    run.add_argument("--out", type=Path, help="folder for results (default: out/NAME)")
+    run.add_argument("--dressed", type=Path, help="dressed.npz of an earlier run, used again")
+    resume = kinds.add_parser("resume", help="go on with a run that was stopped")
+    resume.add_argument("out", type=Path, help="folder of the run")
+    for kind in (run, resume):
+        kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
+    return top
+
+
+def main(given=None):
+    """Run the command; `given` is a list of arguments or None for the program's own."""
+    options = command.parse(parser(), given)
+    if options.do == "new":
+        if options.scene.exists():
+            raise ValueError(f"{options.scene} exists already: give another name")
+        options.scene.write_text(TEMPLATE)
+        return
+    comm = MPI.COMM_WORLD
+    if options.do == "check":
+        from .plan import plan
+        from .scene_file import read_scene
+
+        lines = plan(read_scene(options.scene), comm)
+        if comm.rank == 0:
+            print("\n".join(lines))
+        return
+    from . import activity
+    from .scene_file import read_scene
+
+    if options.do == "run":
+        out = options.out or Path("out") / options.scene.stem
+        results = activity.run(read_scene(options.scene), out, comm, options.dressed)
+    else:
+        out = options.out
+        results = activity.resume(out, comm)
+    if comm.rank == 0:
+        if not options.no_pictures:
+            activity.draw(out)
+        print("\n".join(activity.told(results)))
+        print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
+
+
+if __name__ == "__main__":
+    command.run(main)

@@ -1,0 +1,367 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A dressed wearer performs the recorded motion: Sec. 4.2 of the paper, Figs. 7, 8 and 10.
+
+`run` dresses the wearer, plays the motion, and leaves torque.csv, ledger.csv, a series of frames,
+summary.json and a checkpoint; `resume` goes on from the checkpoint of a run that was stopped.
+"""
+
+import json
+import signal
+from itertools import pairwise
+from pathlib import Path
+
+from mpi4py import MPI
+
+import numpy as np
+
+from contact.recording import SIDES
+
+from . import build, checkpoint, command, dressed_state, torque
+from .belt import Belt
+from .dressing import dress
+from .ledger import Ledger
+from .newmark import Newmark
+from .results import Report, Series
+from .scene import PARTS
+from .scene_file import read_scene, write_scene
+from .shell import Shell
+from .touch import Touch
+
+
+class Stopped(RuntimeError):
+    """The run was interrupted; what it had reached is in its checkpoint."""
+
+
+class Activity:
+    """A scene ready to be stepped.
+
+    Parameters
+    ----------
+    scene : Scene; comm : MPI communicator
+
+    Attributes
+    ----------
+    wearer, surface, shell, stepper, touch : see build.py, Shell, Newmark, Touch
+    """
+
+    def __init__(self, scene, comm):
+        self.scene, self.comm = scene, comm
+        self.wearer = build.wearer_of(scene)
+        self.surface = build.garment_of(scene, self.wearer)
+        fabric = build.fabric(scene)
+        self.shell = Shell(self.surface, fabric, comm)
+        if scene.gravity:
+            self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
+        steps, contact = scene.steps, scene.contact
+        self.stepper = Newmark(
+            self.shell, steps.time_step_factor, damping=steps.damping, drag=steps.drag
+        )
+        self.shell.energy()
+        friction = contact.friction
+        if contact.kinetic_friction is not None:
+            friction = (friction, contact.kinetic_friction)
+        self.touch = Touch(self.stepper, self.wearer, friction, contact.offset)
+        owned = self.shell.partition.owned_nodes
+        self.touch.correction.allowed[:] = build.reach_of(self.surface, self.wearer)[owned]
+
+    @property
+    def weight(self):
+        """Weight of the garment [N]."""
+        return self.comm.allreduce(self.stepper.mass.sum()) * self.scene.gravity
+
+    def dress(self, watch=None):
+        """Put the garment on; returns the report of `dressing.dress`."""
+        self.belt, report = dress(self.stepper, self.touch, self.scene.belt, watch=watch)
+        return report
+
+
+def run(scene, out, comm, dressed=None, watch=None):
+    """Dress, play the motion, leave files in the folder `out`; returns the results.
+
+    Parameters
+    ----------
+    scene : Scene; out : path; comm : MPI communicator
+    dressed : file of a dressed state (`OUT/dressed.npz` of a run of the same garment and wearer),
+        which is then not made anew
+    watch : function of (stage, activity), called at every frame while dressing and walking
+
+    Raises
+    ------
+    Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
+    """
+    out = Path(out)
+    report = Report(out, "walk", _settings(scene), comm)
+    if comm.rank == 0:
+        (out / "checkpoint.npz").unlink(missing_ok=True)
+        write_scene(scene, out / "scene.toml")
+    with report.stage("setup"):
+        activity = Activity(scene, comm)
+        _describe(report, activity)
+    series = Series(out)
+    with report.stage("solve"):
+        if dressed is None:
+            fit = activity.dress(_pictured(activity, out, watch))
+        else:
+            fit = dressed_state.wear(activity, dressed)
+        dressed_state.save(out / "dressed.npz", activity)
+    if comm.rank == 0 and not fit["settled"]:
+        print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
+    return _play(activity, report, series, out, watch, fit=fit)
+
+
+def resume(out, comm, watch=None):
+    """Go on with a run from the checkpoint in its folder; returns the results."""
+    out = Path(out)
+    state = out / "checkpoint.npz"
+    if not state.is_file():
+        raise ValueError(f"{out} holds no checkpoint.npz: nothing has been computed, use `run`")
+    scene = read_scene(out / "scene.toml")
+    report = Report(out, "walk", _settings(scene), comm)
+    with report.stage("setup"):
+        activity = Activity(scene, comm)
+        _describe(report, activity)
+    series = Series(out, keep=True)
+    return _play(activity, report, series, out, watch, state=state)
+
+
+def _play(activity, report, series, out, watch, fit=None, state=None):
+    """Step through the motion from the dressed state or from a checkpoint."""
+    scene, wearer, comm = activity.scene, activity.wearer, activity.comm
+    stepper, touch = activity.stepper, activity.touch
+    count = max(1, round((wearer.end - wearer.start) / scene.output.window))
+    times = np.linspace(wearer.start, wearer.end, count + 1)[1:]
+    done, resumed = 0, None
+    if state is None:
+        touch.correction.reset()
+        _frame(activity, series, np.zeros(3))
+    else:
+        activity.belt = Belt(stepper, "waist", scene.belt)
+        resumed = checkpoint.load(state, stepper, touch)
+        fit, done = json.loads(str(resumed["fit"])), int(resumed["done"])
+    joints = torque.Torque(touch, stepper, scene.output.parts, out / "torque.csv", resumed)
+    ledger = Ledger(out / "ledger.csv", stepper, touch, resumed)
+    extremes = Extremes(touch, stepper, resumed)
+    between = max(1, round(scene.output.checkpoint / scene.output.window))
+    picture = max(1, round(1 / (scene.output.frames * scene.output.window)))
+    with Interrupt(comm) as interrupt:
+        bar = command.progress(times[done:], count - done, "walk")
+        for k, time in enumerate(bar, start=done + 1):
+            with report.stage("solve"):
+                stepper.advance(time)
+            with report.stage("output"):
+                joints.record(time)
+                impulse = touch.correction.window.impulse / touch.correction.window.seconds
+                ledger.record()
+                if k % picture == 0 or k == count:
+                    _frame(activity, series, impulse)
+                    if watch:
+                        watch("walk", activity)
+                asked = interrupt.asked()
+                if asked or k % between == 0 or k == count:
+                    more = joints.saved() | ledger.saved() | extremes.saved()
+                    more |= {"fit": json.dumps(fit), "done": k}
+                    checkpoint.save(out / "checkpoint.npz", stepper, touch, more)
+            if asked and k < count:
+                raise Stopped(
+                    f"stopped at t = {time:.3f} s of {wearer.end:.3f} s; go on with: "
+                    f"shellform resume {out}"
+                )
+    report.shift(touch.seconds, "solve", "contact")
+    results = summary(activity, joints, ledger, extremes, fit)
+    report.write(results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt)
+    return results
+
+
+def _frame(activity, series, force):
+    """Write a frame with the contact force [N] on the cloth and its pressure [Pa]."""
+    stepper, shell = activity.stepper, activity.shell
+    gather = shell.partition.gather
+    size = np.linalg.norm(force, axis=-1) * np.ones(stepper.n_owned)
+    area = stepper.mass / shell.fabric.areal_mass
+    data = np.column_stack([np.broadcast_to(force, (stepper.n_owned, 3)), size / area])
+    whole = gather(data, root=0)
+    fields = {}
+    if whole is not None:
+        fields = {"contact_force": whole[:, :3], "contact_pressure": whole[:, 3]}
+    series.write(shell, stepper.time, **fields)
+
+
+STAGES = {"below": "feet left out", "pull": "pulled up", "belted": "feet back, belt", "settled": ""}
+
+
+def _pictured(activity, out, watch):
+    """Watcher of the dressing that writes a frame of each of its STAGES."""
+    series, seen = Series(out, "dressing"), set()
+
+    def look(stage, stepper):
+        if watch:
+            watch(stage, activity)
+        halfway = stage != "pull" or abs(stepper.owned[:, 2]).max(initial=0.0) < 0.5
+        if stage in STAGES and stage not in seen and activity.comm.allreduce(int(not halfway)) == 0:
+            seen.add(stage)
+            series.write(activity.shell, stepper.time)
+
+    return look
+
+
+def dressing_frames(out):
+    """(label, frame, ellipsoids left out) of the stages of dressing, from the files of a run."""
+    from .walk_pictures import read_frames
+
+    if not (Path(out) / "dressing.pvd").is_file():
+        return []
+    frames = read_frames(out, "dressing")
+    feet = [f"{side}_foot" for side in SIDES]
+    return [
+        (f"({letter}) {label or 'settled'}", frame, feet if k < 2 else [])
+        for k, (letter, label, frame) in enumerate(zip("abcd", STAGES.values(), frames))
+    ]
+
+
+class Extremes:
+    """Hook: deepest start of a step inside the body, most pinched nodes, how often.
+
+    Parameters
+    ----------
+    touch : Touch; stepper : Newmark; resumed : state of a checkpoint or None
+    """
+
+    def __init__(self, touch, stepper, resumed=None):
+        self.correction, self._comm = touch.correction, stepper.shell.comm
+        self.values = np.zeros(3) if resumed is None else resumed["extremes"].copy()
+        stepper.hooks.append(self)
+
+    def __call__(self, stepper, dt):
+        pinched = self.correction.pinched
+        self.values[0] = max(self.values[0], self.correction.max_depth)
+        self.values[1] = max(self.values[1], pinched)
+        self.values[2] += pinched > 0
+
+    def state(self):
+        """Values on this rank, for `restore` (a copy)."""
+        return self.values.copy()
+
+    def restore(self, state):
+        """Continue from `state()`."""
+        self.values[:] = state
+
+    def saved(self):
+        """Largest values over all ranks, for `resumed`."""
+        return {"extremes": self._comm.allreduce(self.values, MPI.MAX)}
+
+
+class Interrupt:
+    """Ctrl-C as a question to be asked between windows, the same answer on all ranks."""
+
+    def __init__(self, comm):
+        self.comm, self.pressed = comm, False
+
+    def __enter__(self):
+        self.before = signal.signal(signal.SIGINT, self._press)
+        return self
+
+    def __exit__(self, *_):
+        signal.signal(signal.SIGINT, self.before)
+
+    def _press(self, *_):
+        self.pressed = True
+
+    def asked(self):
+        """True on all ranks once a rank has been interrupted."""
+        return bool(self.comm.allreduce(int(self.pressed)))
+
+
+def summary(activity, joints, ledger, extremes, fit):
+    """Results of a run for summary.json."""
+    scene, wearer = activity.scene, activity.wearer
+    facts, weight = wearer.recording.facts, activity.weight
+    strides = stride_times(facts, wearer.end)
+    residual = max(row["momentum_residual"] for row in ledger.rows)
+    depth, pinched, _ = extremes.saved()["extremes"]
+    return {
+        "joints": {j: torque.resistance(joints.rows, j, strides) for j in joints.joints},
+        "parts": joints.parts,
+        "window": scene.output.window,
+        "weight": weight,
+        "force_balance_error": residual / (weight * scene.output.window) if weight else residual,
+        "max_penetration": depth,
+        "pinched_most": int(pinched),
+        "dressing": fit,
+        "strides": strides,
+        "stride_length": facts.get("stride_length"),
+        "cadence": facts.get("cadence"),
+        "segment_lengths": wearer.recording.lengths(),
+        "notes": wearer.recording.notes,
+    }
+
+
+def stride_times(facts, end):
+    """(start, end) times [s] of the strides, from the heel strikes of one foot; [] without them."""
+    for side in SIDES:
+        strikes = sorted(t for name, t in facts.get("events", ()) if name == f"{side}_heel_strike")
+        strikes = [t for t in strikes if t <= end + 1e-9]
+        if len(strikes) > 1:
+            return list(pairwise(strikes))
+    return []
+
+
+def told(results):
+    """Lines for a person: how it went and what the garment does to every joint."""
+    fit = results["dressing"]
+    lines = [
+        f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.1f} N of "
+        f"{fit['belt_asked']:.1f} N asked; dressed in {fit['seconds']:.1f} s, cloth "
+        f"stretched by {100 * fit['stretch']:.1f} %",
+        f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body; pinched nodes "
+        f"{results['pinched_most']} at most; forces balance to "
+        f"{100 * results['force_balance_error']:.1e} % of the weight",
+    ]
+    if results["stride_length"]:
+        lines.append(
+            f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
+        )
+    lines.append(f"torque about the axis of flexion, means over {results['window']:g} s")
+    lines.append(
+        f"{'joint':>12} {'peak N m':>10} {'rms N m':>10} {'work J':>10} {'resisted J':>11}"
+    )
+    for joint, row in results["joints"].items():
+        numbers = f"{row['peak_torque']:10.3f} {row['rms_torque']:10.3f} {row['work']:10.3f}"
+        lines.append(f"{joint:>12} {numbers} {row['resistance']:11.3f}")
+    return lines
+
+
+def summary_of(out):
+    """Contents of summary.json in a folder."""
+    return json.loads((Path(out) / "summary.json").read_text())
+
+
+def draw(out):
+    """Pictures of a run from its files: walk.png, torque.png, walk.gif."""
+    from . import walk_pictures
+
+    out = Path(out)
+    scene = read_scene(out / "scene.toml")
+    wearer = build.wearer_of(scene)
+    rows = {scene.title: torque.rows_until(out / "torque.csv", np.inf)}
+    walk_pictures.draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
+
+
+def _settings(scene):
+    """A scene as plain values for summary.json."""
+    settings = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
+    settings |= {name: dict(vars(getattr(scene, name))) for name in PARTS}
+    fabric = build.fabric(scene)
+    return settings | {"fabric": {"name": fabric.name, "summary": fabric.summary()}}
+
+
+def _describe(report, activity):
+    """Enter what is modelled into a report."""
+    report.describe(
+        activity.shell,
+        inertia="lumped",
+        contact=list(activity.wearer.names),
+        friction=list(activity.touch.correction.friction),
+        belt=activity.scene.belt,
+        joints=list(activity.wearer.joints),
+        time_step=activity.stepper.dt,
+    )
