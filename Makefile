@@ -15,7 +15,7 @@ MPIRUN := mpirun --oversubscribe --bind-to none
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup roll-up drape test lint clean
+.PHONY: help setup roll-up drape walk test lint clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -28,6 +28,9 @@ roll-up: setup ## roll a strip up into a circle by an end moment; result in out/
 
 drape: setup ## drape a square of cloth, held at a corner, over a sphere; result in out/drape
 	$(PYTHON) demos/drape.py --out out/drape
+
+walk: setup ## trousers on a walker, torque about the joints; result in out/walk
+	$(MPIRUN) -n 2 $(PYTHON) demos/walk.py --out out/walk
 
 test: setup ## all tests on 1 rank, then on 2
 	@status=0; \

@@ -32,16 +32,16 @@ def _correct(
     planes, room, forced, samples, weights, segment, sample_segment, impulse, book, window,
     window_book, counts,
 ):  # fmt: skip
-    """One step of contact for all nodes, then for all samples; returns node + 1 if not finite."""
+    """One step of contact for all nodes, then for all samples; node + 1 if not finite; depths."""
     set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
     counts[:] = 0
     book[:] = 0.0
-    deepest = 0.0
+    deepest = pinched = 0.0
     kick, change, p, u = room[4], room[5], room[6], room[7]
     for i in range(len(x)):
         total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
         if not np.isfinite(total):
-            return i + 1, deepest
+            return i + 1, deepest, pinched
         for c in range(3):
             impulse[i, c] = 0.0
         if fixed[i]:
@@ -53,11 +53,11 @@ def _correct(
             continue
         for c in range(3):
             kick[c] = v[i, c] - old[i, c]
-        segment[i], depth = meet_body(
+        segment[i], depth, pinch = meet_body(
             x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], travel, planes, room,
             book, counts, change,
         )  # fmt: skip
-        deepest = max(deepest, depth)
+        deepest, pinched = max(deepest, depth), max(pinched, pinch)
         if segment[i] >= 0:
             for c in range(3):
                 v[i, c] += change[c]
@@ -80,12 +80,12 @@ def _correct(
                         kick[c] += w * (v[i, c] - booked - old[i, c])
             if inverse == 0.0:
                 continue
-            segment_s, depth = meet_body(
+            segment_s, depth, pinch = meet_body(
                 p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], both, travel, planes,
                 room, book, counts, change,
             )  # fmt: skip
             sample_segment[cell, s] = segment_s
-            deepest = max(deepest, depth)
+            deepest, pinched = max(deepest, depth), max(pinched, pinch)
             if segment_s >= 0:
                 for a in range(4):
                     i, w = samples[cell, a], weights[s, a]
@@ -97,7 +97,7 @@ def _correct(
         for c in range(3):
             window[i, c] += impulse[i, c]
     window_book += book
-    return 0, deepest
+    return 0, deepest, pinched
 
 
 class Correction:
@@ -112,6 +112,8 @@ class Correction:
     fixed : (n,) bool or None, nodes of prescribed motion: left alone
     recovery : float, greatest speed at which a point that starts a step inside is moved out [m/s]
     allowed : (n,) int or None, segments each node can touch, see `Body.mask`; None: all
+    pinch_angle : float, angle between the normals of two segments from which on they pinch a point
+        between them instead of pushing it out together [degrees]; 180: hardly ever
     samples : None or (cells (k, 4) int, weights (s, 4) float)
         Further points sum_a weights[a] x[cells[a]] in every cell, met once after the nodes; their
         impulses go to the nodes by the weights. Cells of owned nodes only.
@@ -126,17 +128,20 @@ class Correction:
     active, sticking : points in contact in the last step, of these in stick
     pinched : points to which several segments left no room in the last step
     max_depth : float, deepest start of the last step below the offset surface [m]
+    pinch_depth : float, the same of pinched points, which are not counted there [m]
     """
 
     def __init__(
         self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, samples=None,
-        allowed=None,
+        allowed=None, pinch_angle=180.0,
     ):  # fmt: skip
         mu_s, mu_k = coefficients(friction)
         if not (np.isfinite(offset) and offset >= 0):
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
         if not recovery > 0:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
+        if not 90 <= pinch_angle <= 180:
+            raise ValueError(f"the pinch angle lies in 90 to 180 degrees, not {pinch_angle}")
         self.fixed = np.zeros(nodes, bool) if fixed is None else np.array(fixed, bool)
         if self.fixed.shape != (nodes,):
             raise ValueError(f"fixed has shape {self.fixed.shape}, not ({nodes},)")
@@ -152,12 +157,18 @@ class Correction:
             raise ValueError("samples are cells of four nodes and rows of four weights")
         if self._cells.size and not 0 <= self._cells.min() <= self._cells.max() < nodes:
             raise ValueError(f"sample cells name nodes outside 0 to {nodes - 1}")
-        self.body, self._law = body, (mu_s, mu_k, float(offset), float(recovery))
+        self.body, self._law = (
+            body,
+            (
+                *(mu_s, mu_k, float(offset), float(recovery)),
+                float(np.cos(np.radians(pinch_angle))),
+            ),
+        )
         m = len(body.radii)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
         self.segment = np.full(nodes, -1, np.int64)
         self._sample_segment = np.full((len(self._cells), len(self._weights)), -1, np.int64)
-        self.max_depth, self._counts = 0.0, np.zeros(COUNTS, np.int64)
+        self.max_depth, self.pinch_depth, self._counts = 0.0, 0.0, np.zeros(COUNTS, np.int64)
         self._radii = np.ascontiguousarray(body.radii, float)
         self._scratch = np.zeros(m, TRAVEL), np.zeros(m, PLANE), np.zeros((8, 3))
         self._start, self._end = body.new_pose(), body.new_pose()
@@ -189,7 +200,7 @@ class Correction:
                 raise ValueError(f"{name} has shape {array.shape}, not {shape}")
         self._move(t, t + dt)
         last, window = self.last, self.window
-        bad, self.max_depth = _correct(
+        bad, self.max_depth, self.pinch_depth = _correct(
             x, v, v if v_old is None else v_old, mass, self.fixed, self.allowed, dt, self._law,
             self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
             *self._scratch, v_old is not None, self._cells, self._weights, self.segment,

@@ -22,7 +22,9 @@ EVALUATED, ACTIVE, PINCHES, STICKING, COUNTS = 0, 1, 2, 3, 4
 
 
 @njit(cache=True, error_model="numpy")
-def _rub(free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved, step):
+def _rub(
+    free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved, step, facing
+):  # fmt: skip
     """Friction on all planes that push; `step` is updated. Returns planes pushing, all stick.
 
     Friction works on the slip that is left: planes share it by their push, so a groove of two
@@ -66,14 +68,14 @@ def _rub(free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved,
                 step[c] = moved[c]
             break
         alone = pushing == 1
-        pushing = nearest_step(moved, planes, count, first, slack, step)
+        pushing = nearest_step(moved, planes, count, first, slack, step, facing)
         if (alone and pushing == 1) or change <= slack:
             break
     if pushing == 0:  # friction alone would lift the point off: leave it out
         for k in range(count):
             for c in range(3):
                 planes[k].rub[c] = 0.0
-        pushing, stick = nearest_step(free, planes, count, first, slack, step), False
+        pushing, stick = nearest_step(free, planes, count, first, slack, step, facing), False
     return pushing, stick
 
 
@@ -88,7 +90,7 @@ def meet_body(
     x, v : (3,) float, position at t [m], velocity before contact [m/s]
     kick : (3,) float, change of velocity by the forces of this step [m/s]
     mass : float, effective mass [kg]
-    law : mu_s, mu_k, offset [m], recovery [m/s]
+    law : mu_s, mu_k, offset [m], recovery [m/s], facing (wedge.py)
     last : int, segment of the last step or -1
     allowed : int, segments that the point can touch, see travel.py
     room : (4, 3) float, scratch
@@ -97,9 +99,10 @@ def meet_body(
 
     Returns
     -------
-    segment (-1: no contact), depth at the start [m]
+    segment (-1: no contact), depth at the start [m], the same of a pinched point, whose first depth
+    is zero
     """
-    mu_s, mu_k, offset, recovery = law
+    mu_s, mu_k, offset, recovery, facing = law
     free, step, moved, at = room[0], room[1], room[2], room[3]
     for c in range(3):
         free[c] = step[c] = dt * v[c]
@@ -126,24 +129,37 @@ def meet_body(
                 first = k
             for c in range(3):
                 planes[k].rub[c] = 0.0
-        pushing = nearest_step(free, planes, count, first, slack, step)
+        pushing = nearest_step(free, planes, count, first, slack, step, facing)
         if pushing != 0 and pushing != 1 and depth > slack:
             # where several bodies hold the point, the way out may be EJECTION times the overlap
             least = recovery * dt / EJECTION
             for k in range(count):
                 planes[k].bound -= max(0.0, min(planes[k].depth, recovery * dt) - least)
                 planes[k].depth = min(planes[k].depth, least)
-            pushing = nearest_step(free, planes, count, first, slack, step)
+            pushing = nearest_step(free, planes, count, first, slack, step, facing)
         if pushing != 0 and mu_s > 0.0:
             pushing, stick = _rub(
-                free, planes, count, first, pushing, slack, mu_s, mu_k, mass / dt, moved, step
+                free,
+                planes,
+                count,
+                first,
+                pushing,
+                slack,
+                mu_s,
+                mu_k,
+                mass / dt,
+                moved,
+                step,
+                facing,
             )
         if inside > 1 or pushing == PINCHED:
             break
     if pushing == 0:
-        return -1, depth
+        return -1, depth, 0.0
+    pinch = 0.0
     if pushing == PINCHED:
         counts[PINCHES] += 1
+        pinch, depth = depth, 0.0
 
     for c in range(3):
         change[c] = 0.0
@@ -172,10 +188,10 @@ def meet_body(
         book[b, FRICTION] += rubbed
         book[b, IMPACT] += pressed
     if segment < 0:  # pinched, and on the near side of the segment that holds it
-        return last, depth
+        return last, depth, pinch
     counts[ACTIVE] += 1
     counts[STICKING] += stick
-    return segment, depth
+    return segment, depth, pinch
 
 
 class Ledger:

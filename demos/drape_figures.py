@@ -156,7 +156,7 @@ def draw_methods(path, rows):
         draw_cloth(ax, run, (-60, 12), True)
         facts = [f"mean height {run['height']:.4f} m", f"contact {run['force_up']:.3f} N up"]
         facts += [f"strain energy {1e3 * run['strain']:.1f} mJ", f"{run['folds']} folds"]
-        facts += [f"{run['seconds']:.0f} s of processor time"]
+        facts += [f"{run['seconds']:.1f} s of processor time"]
         ax.set_title(f"{run['method']}, {run['cells']} cells\n", fontsize=12)
         ax.text(0.5, -0.02, "\n".join(facts), transform=ax.transAxes, ha="center", va="top")
     save_figure(figure, path)

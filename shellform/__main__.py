@@ -107,5 +107,10 @@ def main(given=None):
         print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
 
 
-if __name__ == "__main__":
+def entry():
+    """The installed command."""
     command.run(main)
+
+
+if __name__ == "__main__":
+    entry()

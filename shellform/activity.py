@@ -28,10 +28,6 @@ from .shell import Shell
 from .touch import Touch
 
 
-class Stopped(RuntimeError):
-    """The run was interrupted; what it had reached is in its checkpoint."""
-
-
 class Activity:
     """A scene ready to be stepped.
 
@@ -60,7 +56,13 @@ class Activity:
         friction = contact.friction
         if contact.kinetic_friction is not None:
             friction = (friction, contact.kinetic_friction)
-        self.touch = Touch(self.stepper, self.wearer, friction, contact.offset)
+        self.touch = Touch(
+            self.stepper,
+            self.wearer,
+            friction,
+            contact.offset,
+            pinch_angle=contact.pinch_angle,
+        )
         owned = self.shell.partition.owned_nodes
         self.touch.correction.allowed[:] = build.reach_of(self.surface, self.wearer)[owned]
 
@@ -87,7 +89,7 @@ def run(scene, out, comm, dressed=None, watch=None):
 
     Raises
     ------
-    Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
+    command.Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
     """
     out = Path(out)
     report = Report(out, "walk", _settings(scene), comm)
@@ -162,7 +164,7 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
                     more |= {"fit": json.dumps(fit), "done": k}
                     checkpoint.save(out / "checkpoint.npz", stepper, touch, more)
             if asked and k < count:
-                raise Stopped(
+                raise command.Stopped(
                     f"stopped at t = {time:.3f} s of {wearer.end:.3f} s; go on with: "
                     f"shellform resume {out}"
                 )
@@ -219,7 +221,7 @@ def dressing_frames(out):
 
 
 class Extremes:
-    """Hook: deepest start of a step inside the body, most pinched nodes, how often.
+    """Hook: deepest start of a step inside the body, most pinched nodes, how deep they were.
 
     Parameters
     ----------
@@ -232,10 +234,10 @@ class Extremes:
         stepper.hooks.append(self)
 
     def __call__(self, stepper, dt):
-        pinched = self.correction.pinched
-        self.values[0] = max(self.values[0], self.correction.max_depth)
-        self.values[1] = max(self.values[1], pinched)
-        self.values[2] += pinched > 0
+        now = self.correction
+        self.values[0] = max(self.values[0], now.max_depth)
+        self.values[1] = max(self.values[1], now.pinched)
+        self.values[2] = max(self.values[2], now.pinch_depth)
 
     def state(self):
         """Values on this rank, for `restore` (a copy)."""
@@ -277,7 +279,7 @@ def summary(activity, joints, ledger, extremes, fit):
     facts, weight = wearer.recording.facts, activity.weight
     strides = stride_times(facts, wearer.end)
     residual = max(row["momentum_residual"] for row in ledger.rows)
-    depth, pinched, _ = extremes.saved()["extremes"]
+    depth, pinched, pinch_depth = extremes.saved()["extremes"]
     return {
         "joints": {j: torque.resistance(joints.rows, j, strides) for j in joints.joints},
         "parts": joints.parts,
@@ -286,6 +288,7 @@ def summary(activity, joints, ledger, extremes, fit):
         "force_balance_error": residual / (weight * scene.output.window) if weight else residual,
         "max_penetration": depth,
         "pinched_most": int(pinched),
+        "pinched_depth": pinch_depth,
         "dressing": fit,
         "strides": strides,
         "stride_length": facts.get("stride_length"),
@@ -312,9 +315,10 @@ def told(results):
         f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.1f} N of "
         f"{fit['belt_asked']:.1f} N asked; dressed in {fit['seconds']:.1f} s, cloth "
         f"stretched by {100 * fit['stretch']:.1f} %",
-        f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body; pinched nodes "
-        f"{results['pinched_most']} at most; forces balance to "
-        f"{100 * results['force_balance_error']:.1e} % of the weight",
+        f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body, "
+        f"{1e3 * results['pinched_depth']:.1f} mm between segments that pinch, "
+        f"{results['pinched_most']} nodes at most",
+        f"forces balance to {100 * results['force_balance_error']:.1e} % of the weight",
     ]
     if results["stride_length"]:
         lines.append(

@@ -5,8 +5,9 @@ Only what the scene asks for is imported, read and made. Everything a user can g
 and garment is found here, before any computation.
 """
 
+from inspect import signature
+
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 import meshes
 from contact import anthropometry
@@ -17,8 +18,10 @@ from contact.recording import SIDES, Recording
 from contact.wearer import Wearer
 
 from .scene_file import fabric_of
+from .torque import chosen_parts
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person that the sizes of trousers fit [m]
+NO_MEASURES = ("size", "cell_size")  # of the arguments of trousers
 STRETCH = 0.05  # cloth that must stretch more to reach around the body is refused
 
 
@@ -58,7 +61,9 @@ def wearer_of(scene):
     ellipsoids = anthropometry.ellipsoids(
         lengths, stature=stature, mass=person.mass, girths=person.girths or None
     )
-    return Wearer(recording, ellipsoids)
+    wearer = Wearer(recording, ellipsoids)
+    chosen_parts(wearer, scene.output.parts)  # a joint that is not there is told before dressing
+    return wearer
 
 
 def cut(recording, start=None, end=None):
@@ -91,6 +96,12 @@ def garment_of(scene, wearer):
     fit the wearer
     """
     garment = scene.garment
+    known = [name for name in signature(meshes.trousers).parameters if name not in NO_MEASURES]
+    for name in garment.measures:
+        if name not in known:
+            raise ValueError(
+                f"garment.measures: no '{name}' of trousers; there are {', '.join(known)}"
+            )
     height, middle, heading = stance(wearer)
     if garment.file is not None:
         surface = meshes.worn(meshes.load(garment.file, unit=garment.unit), waist=garment.waist)
@@ -131,7 +142,7 @@ def waist_height(wearer):
     pose = wearer.new_pose(wearer.start)
     which = [wearer.index("pelvis"), wearer.index("abdomen")]
     heights = np.linspace(*pose.centres[which, 2], 101)
-    girths = [girth_of_body(wearer, pose, which, height) for height in heights]
+    girths = [body_girth(wearer, pose, which, height) for height in heights]
     return float(heights[int(np.argmin(girths))])
 
 
@@ -175,15 +186,21 @@ def check_fit(surface, wearer):
                 f"{np.round(pose.centres[k, :2], 3).tolist()} m: give the garment or the stance "
                 "another width"
             )
-    k = wearer.index("pelvis")
-    level = pose.centres[k, 2]
-    body = girth_of_body(wearer, pose, [k], level)
-    cloth = girth_at(surface, level)
-    if 0 < cloth * (1 + STRETCH) < body:
-        raise ValueError(
-            f"the wearer's hips measure {body:.3f} m, {surface.source} only {cloth:.3f} m there: "
-            "take a larger size, or check the wearer's girths"
-        )
+    places = [("hips", "pelvis", np.ones(len(surface.cells), bool))]
+    if {"right_hem", "left_hem"} <= set(surface.edges):
+        legs = meshes.regions(surface)
+        for side in SIDES:
+            cells = np.isin(surface.cells, legs[f"{side}_leg"]).all(axis=1)
+            places += [(f"{side} {part}", f"{side}_{part}", cells) for part in ("thigh", "shank")]
+    for place, name, cells in places:
+        k = wearer.index(name)
+        level = pose.centres[k, 2]
+        body, cloth = body_girth(wearer, pose, [k], level), girth_at(surface, level, cells)
+        if 0 < cloth * (1 + STRETCH) < body:
+            raise ValueError(
+                f"the wearer measures {body:.3f} m around the {place}, {surface.source} only "
+                f"{cloth:.3f} m there: take a larger size, or check the wearer's girths"
+            )
 
 
 def inside(polygon, point):
@@ -195,9 +212,15 @@ def inside(polygon, point):
     return abs(turns) > np.pi
 
 
-def girth_at(surface, height):
-    """Length [m] of the surface's section at a height [m]; 0 where there is none."""
-    corners = surface.points[surface.cells[:, : 3 if surface.kind == "triangle" else 4]]
+def body_girth(wearer, pose, which, height):
+    """Length [m] of a tape around the ellipsoids `which` at a height [m]."""
+    return anthropometry.girth(pose.centres[which], pose.axes[which], wearer.radii[which], height)
+
+
+def girth_at(surface, height, cells):
+    """Length [m] of the section of the `cells` (mask) at a height [m]; 0 where there is none."""
+    corners = surface.cells[cells, : 3 if surface.kind == "triangle" else 4]
+    corners = surface.points[corners]
     after = np.roll(corners, -1, axis=1)
     above = corners[:, :, 2] > height
     crossed = above != np.roll(above, -1, axis=1)
@@ -207,31 +230,6 @@ def girth_at(surface, height):
     twice = crossed.sum(axis=1) == 2
     ends = places[twice][crossed[twice]].reshape(-1, 2, 3)
     return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
-
-
-def girth_of_body(wearer, pose, which, height, count=180):
-    """Length [m] of a tape around the ellipsoids `which` at a height [m]."""
-    points = []
-    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-    for k in which:
-        # the section of |S (x - c)| = 1 with a level plane, from the quadratic form
-        A = pose.axes[k].T @ np.diag(wearer.radii[k] ** -2.0) @ pose.axes[k]
-        z = height - pose.centres[k, 2]
-        shift = -np.linalg.solve(A[:2, :2], A[:2, 2]) * z
-        left = 1 - z * z * (A[2, 2] - A[2, :2] @ np.linalg.solve(A[:2, :2], A[:2, 2]))
-        if left <= 0:
-            continue
-        root = np.linalg.inv(np.linalg.cholesky(A[:2, :2])).T * np.sqrt(left)
-        circle = np.stack([np.cos(angle), np.sin(angle)])
-        points.append(pose.centres[k, :2] + shift + (root @ circle).T)
-    if not points:
-        return 0.0
-    points = np.concatenate(points)
-    try:
-        rim = points[ConvexHull(points).vertices]
-    except QhullError:
-        return 0.0
-    return float(np.linalg.norm(np.roll(rim, -1, axis=0) - rim, axis=1).sum())
 
 
 def fabric(scene):

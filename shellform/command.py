@@ -58,6 +58,10 @@ def accuracy(text):
     return error
 
 
+class Stopped(RuntimeError):
+    """The run was interrupted; what it had reached is kept, the message says how to go on."""
+
+
 def run(main, arguments=None):
     """Call main(arguments); end all ranks on an error, told in one sentence where it is known."""
     from .statics import NotConverged
@@ -70,6 +74,8 @@ def run(main, arguments=None):
         return
     except known as error:
         message, code = f"{sys.argv[0]}: {error}", 2
+    except Stopped as stop:
+        message, code = f"{sys.argv[0]}: {stop}", 130
     except KeyboardInterrupt:
         message, code = f"{sys.argv[0]}: interrupted", 130
     except Exception:

@@ -15,9 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .belt import Belt, Hands, Ring
+from contact.ellipsoid import closest_points
+
+from .belt import Belt, Hands
 
 GAP = 0.03  # between the waist edge and the legs above it, before [m]
+AWAY = 2  # cells from the waist that count as the belt's
 
 
 @dataclass(frozen=True)
@@ -139,46 +142,49 @@ def settle(stepper, touch, belt, plan, watch, every=0.05):
 def fit(stepper, touch, belt):
     """How the garment sits: depth in the body, stretch, what the belt does; on all ranks.
 
-    `belt_tension` is measured on the body: the normal force of a closed cable is tension times its
-    turning angle, summed around. `stretch` is the largest elongation of a cell edge more than two
-    cells away from the belt.
+    `belt_tension` is measured on the body: what goes around it with tension T presses with 2 pi T
+    in the normal direction, summed around. Summed are the nodes at the waist and AWAY cells below,
+    as cloth that is gathered takes a part of the cable's tension and gives it off there.
+    `stretch` is the largest elongation of a cell edge farther away from the waist.
     """
     shell, correction = stepper.shell, touch.correction
     comm, surface = shell.comm, shell.surface
-    ring = Ring(stepper, "waist")
     correction.reset()
     # drag of the air would take dt/2 of its rate off the contact forces
     drag, stepper.drag = stepper.drag, 0.0
     stepper.advance(stepper.time + 200 * stepper.dt)
     stepper.drag = drag
-    x = ring.look(stepper)
-    force = np.zeros_like(x)
-    force[ring.mine] = correction.window.impulse[ring.own] / correction.window.seconds
-    force = comm.allreduce(force)
-    along = np.roll(x, -1, axis=0) - x
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    inward = along - np.roll(along, 1, axis=0)
-    bend = np.linalg.norm(inward, axis=1)
-    outward = -inward / np.maximum(bend, 1e-12)[:, None]
-    tension = float(np.sum(force * outward) / bend.sum())
-    depth = max(correction.max_depth, 0.0)
+    own = near_waist(surface)[shell.partition.owned_nodes]
+    force = correction.window.impulse / correction.window.seconds
+    x, pose, body = stepper.points + stepper.owned[:, :3], correction.start_pose, correction.body
+    pressed = 0.0
+    for k in range(len(body.radii)):
+        here = own & (correction.segment == k)
+        _, normals, _ = closest_points(x[here], body.radii[k], pose.centres[k], pose.axes[k])
+        pressed += np.sum(force[here] * normals)
     return {
-        "depth": max(comm.allgather(depth)),
+        "depth": max(comm.allgather(max(correction.max_depth, 0.0))),
         "stretch": float(elongation(shell.positions(), surface).max()),
         "belt_asked": belt.tension,
-        "belt_tension": tension,
+        "belt_tension": float(comm.allreduce(pressed) / (2 * np.pi)),
         "pinched": comm.allreduce(correction.pinched),
     }
 
 
-def elongation(positions, surface, away=2):
-    """Elongation (k,) of the cell edges more than `away` cells from the waist."""
+def near_waist(surface):
+    """Mask (n,) of the points at the waist and up to AWAY cells from it."""
     cells = surface.cells[:, :4]
     near = np.zeros(len(surface.points), bool)
     near[np.unique(surface.edges["waist"])] = True
-    for _ in range(away):
+    for _ in range(AWAY):
         near[np.unique(cells[near[cells].any(axis=1)])] = True
-    pairs = np.concatenate([np.stack([cells, np.roll(cells, -1, axis=1)], 2).reshape(-1, 2)])
+    return near
+
+
+def elongation(positions, surface):
+    """Elongation (k,) of the cell edges that are not `near_waist`."""
+    near, cells = near_waist(surface), surface.cells[:, :4]
+    pairs = np.stack([cells, np.roll(cells, -1, axis=1)], 2).reshape(-1, 2)
     pairs = pairs[~near[pairs].any(axis=1)]
     now = np.linalg.norm(np.diff(positions[pairs], axis=1)[:, 0], axis=1)
     rest = np.linalg.norm(np.diff(surface.points[pairs], axis=1)[:, 0], axis=1)

@@ -84,7 +84,7 @@ class ImplicitTouch:
         self._start, self._end = body.new_pose(), body.new_pose()
         self.correction, self.seconds = self, 0.0
         self.active = self.sticking = self.rounds = self.unsettled = 0
-        self.max_depth = 0.0
+        self.max_depth = self.pinch_depth = 0.0
         stepper.contact = self
 
     @property

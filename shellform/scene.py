@@ -7,6 +7,9 @@ checked when it is made; nothing is computed. `build.py` turns it into arrays an
 
 from argparse import ArgumentTypeError
 from dataclasses import dataclass, field, fields
+from numbers import Integral, Real
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -33,8 +36,8 @@ class Motion:
     synthetic walk.
     """
 
-    file: str = "synthetic"
-    map: str | None = None
+    file: str | Path = "synthetic"
+    map: str | Path | None = None
     unit: str | None = None
     up: str | None = None
     cutoff: float = _unit(6.0, "Hz")
@@ -64,7 +67,7 @@ class Garment:
     by the accuracy.
     """
 
-    file: str | None = None
+    file: str | Path | None = None
     unit: str = "m"
     waist: str = "waist"
     size: str | None = None
@@ -74,11 +77,17 @@ class Garment:
 
 @dataclass(frozen=True)
 class Contact:
-    """Friction, static and kinetic (None: the same); offset [m], None: half the thickness."""
+    """How cloth meets the body.
+
+    friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
+    thickness; pinch_angle : between normals from which on two parts of the body, as calf and thigh,
+    pinch the cloth between them [degrees], see contact/wedge.py.
+    """
 
     friction: float = 0.3
     kinetic_friction: float | None = None
     offset: float | None = _unit(None, "m")
+    pinch_angle: float = _unit(105.0, "degrees")
 
 
 @dataclass(frozen=True)
@@ -123,7 +132,7 @@ class Scene:
     ValueError naming the part, the item and the mend
     """
 
-    fabric: Fabric | str = "compliant"
+    fabric: Fabric | str | Path = "compliant"
     motion: Motion = Motion()
     person: Person = Person()
     garment: Garment = Garment()
@@ -139,8 +148,9 @@ class Scene:
             value = getattr(self, part.name)
             if part.name in PARTS and not isinstance(value, PARTS[part.name]):
                 raise ValueError(f"{part.name} is a {PARTS[part.name].__name__}, not {value!r}")
-        if not isinstance(self.fabric, Sheet | str):
+        if not isinstance(self.fabric, Sheet | str | Path):
             raise ValueError(f"fabric is a Fabric or the name of a card, not {self.fabric!r}")
+        _check_kinds(self)
         _check_numbers(self)
 
     @property
@@ -172,6 +182,7 @@ RANGES = {
     "garment.cell_size": (0.004, 0.1, "a length in m, as 0.025"),
     "contact.friction": (0, 2, "0.3 is usual for cloth on cloth"),
     "contact.kinetic_friction": (0, 2, "not above the static friction"),
+    "contact.pinch_angle": (90, 180, "105 degrees; 180 for rigid bodies that give no way"),
     "contact.offset": (0, 0.02, "half the thickness of the cloth, in m"),
     "steps.time_step_factor": (0.01, 1, "a part of the largest stable step"),
     "steps.damping": (0, 1e-2, "1e-5 s is much; it shortens the step"),
@@ -198,14 +209,46 @@ def cell_size_for(accuracy):
     return float(np.exp(np.interp(np.log(error), errors, sizes)))
 
 
+KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
+
+
+def _check_kinds(scene):
+    """ValueError for a text where a number belongs, and the like."""
+    for part in (None, *PARTS):
+        of = getattr(scene, part) if part else scene
+        for item in fields(of):
+            if item.name in (*PARTS, "fabric"):
+                continue
+            kinds = get_args(item.type) or (item.type,)
+            name, value = f"{part}.{item.name}" if part else item.name, getattr(of, item.name)
+            if not any(_is(value, kind) for kind in kinds):
+                said = " or ".join(KINDS[kind] for kind in kinds if kind in KINDS)
+                raise ValueError(f"{name} is {said}, not {value!r}")
+    for where in ("person.girths", "garment.measures"):
+        part, _, name = where.partition(".")
+        for key, value in getattr(getattr(scene, part), name).items():
+            if not _is(value, float):
+                raise ValueError(f"{where}: {key} is a number, not {value!r}")
+    parts = scene.output.parts
+    if isinstance(parts, str) and parts not in ("distal", "child"):
+        raise ValueError(f"output.parts is 'distal', 'child' or a table, not {parts!r}")
+    for joint, names in parts.items() if isinstance(parts, dict) else ():
+        if not isinstance(names, list | tuple) or not all(isinstance(n, str) for n in names):
+            raise ValueError(f"output.parts: {joint} is a list of ellipsoids, not {names!r}")
+
+
+def _is(value, kind):
+    if kind in (int, float):
+        return isinstance(value, Integral if kind is int else Real) and not isinstance(value, bool)
+    return isinstance(value, kind)
+
+
 def _check_numbers(scene):
     for where, (low, high, hint) in RANGES.items():
         part, _, name = where.rpartition(".")
         value = getattr(getattr(scene, part) if part else scene, name)
         if value is None:
             continue
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-            raise ValueError(f"{where} is a number, not {value!r}")
         if not low <= value <= high:
             raise ValueError(f"{where} = {value:g} lies outside {low:g} to {high:g}: {hint}")
     cell_size_for(scene.steps.accuracy)

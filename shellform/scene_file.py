@@ -18,7 +18,7 @@ Everything left out has its default; `write` puts down a scene in full.
 import difflib
 import json
 import tomllib
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,8 @@ from .results import write_atomically
 from .scene import PARTS, Scene
 
 CARDS = Path(__file__).parent / "fabrics"
+# what may be a file, relative to that of the scene
+FILES = (("motion", "file"), ("motion", "map"), ("garment", "file"))
 
 
 def key_of(item):
@@ -49,9 +51,14 @@ def read_scene(path):
     with open(path, "rb") as file:
         try:
             data = tomllib.load(file)
-        except tomllib.TOMLDecodeError as error:
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
             raise ValueError(f"{path}: not a TOML file: {error}") from None
     return scene_from(data, str(path), path.parent)
+
+
+def _is_file(key, path):
+    """A map may be a name; what else names a file is told to be missing where it is read."""
+    return key == "file" or path.is_file()
 
 
 def scene_from(data, where="scene", folder=Path()):
@@ -65,10 +72,10 @@ def scene_from(data, where="scene", folder=Path()):
         values[name] = kind(**_named(table, fields(kind), f"{where} [{name}]"))
     top = [item for item in fields(Scene) if item.name not in PARTS]
     values |= _named(data, top, where, more=[f"[{name}]" for name in PARTS])
-    for name in ("motion", "garment"):
-        file = values[name].file
-        if file not in (None, "synthetic"):
-            values[name] = type(values[name])(**vars(values[name]) | {"file": str(folder / file)})
+    for name, key in FILES:
+        file = getattr(values[name], key)
+        if isinstance(file, str) and file != "synthetic" and _is_file(key, folder / file):
+            values[name] = replace(values[name], **{key: str(folder / file)})
     try:
         if "fabric" in values:
             values["fabric"] = fabric_of(values["fabric"], folder, where)
@@ -85,6 +92,8 @@ def fabric_of(given, folder=Path(), where="scene"):
         return given
     if isinstance(given, dict):
         return fabric_from_card(given, f"{where} [fabric]")
+    if not isinstance(given, str | Path):
+        raise ValueError(f"fabric is the name of a card, a file or a table, not {given!r}")
     shipped = CARDS / f"{given}.toml"
     if shipped.is_file():
         return read_fabric(shipped)
@@ -101,8 +110,9 @@ def _named(table, items, where, more=()):
     values = {}
     for key, value in table.items():
         if key not in keys:
-            close = difflib.get_close_matches(key, [*keys, *more], n=1, cutoff=0.5)
-            mend = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(keys)}"
+            known = [*keys, *more]
+            close = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+            mend = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(known)}"
             raise ValueError(f"{where}: unknown key '{key}'; {mend}")
         values[keys[key].name] = value
     return values
@@ -110,7 +120,7 @@ def _named(table, items, where, more=()):
 
 def write_scene(scene, path):
     """Write a scene in full, so that `read_scene` gives it back; a Fabric by its matrices."""
-    lines = [f"title = {json.dumps(scene.title)}", f"fabric = {_fabric(scene.fabric)}"]
+    lines = [f"title = {_toml(scene.title)}", f"fabric = {_fabric(scene.fabric)}"]
     for item in fields(Scene):
         if item.name not in (*PARTS, "title", "fabric"):
             lines.append(f"{key_of(item)} = {_toml(getattr(scene, item.name))}")
@@ -119,16 +129,18 @@ def write_scene(scene, path):
         part = getattr(scene, name)
         for item in fields(part):
             value = getattr(part, item.name)
-            if name in ("motion", "garment") and item.name == "file" and value is not None:
-                value = value if value == "synthetic" else str(Path(value).absolute())
+            if (name, item.name) in FILES and value not in (None, "synthetic"):
+                whole = Path(value).absolute()
+                value = str(whole if _is_file(item.name, whole) else value)
             if value is not None:
                 lines.append(f"{key_of(item)} = {_toml(value)}")
     write_atomically(path, "\n".join(lines) + "\n")
 
 
 def _fabric(fabric):
-    if isinstance(fabric, str):
-        return json.dumps(fabric)
+    if isinstance(fabric, str | Path):
+        path = Path(fabric).absolute()
+        return _toml(str(path if path.is_file() else fabric))
     keys = card_keys(Fabric.from_stiffness)
     matrices = {key: np.asarray(getattr(fabric, p.name)).tolist() for key, p in keys.items()}
     return _toml({"name": fabric.name, "stiffness": matrices})
@@ -136,7 +148,10 @@ def _fabric(fabric):
 
 def _toml(value):
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{json.dumps(k)} = {_toml(v)}" for k, v in value.items()) + " }"
+        return "{ " + ", ".join(f"{_toml(k)} = {_toml(v)}" for k, v in value.items()) + " }"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_toml(v) for v in value) + "]"
-    return json.dumps(value) if isinstance(value, str | bool) else repr(value)
+    if isinstance(value, str):
+        # as JSON does, but for what that writes as two halves
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return json.dumps(value) if isinstance(value, bool) else repr(value)

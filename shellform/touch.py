@@ -36,6 +36,7 @@ class Touch:
     friction : float or (mu_s, mu_k)
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell
+    pinch_angle : float [degrees], see `Correction`
 
     Attributes
     ----------
@@ -48,13 +49,16 @@ class Touch:
     ValueError if samples are asked for in cells that have not four nodes
     """
 
-    def __init__(self, stepper, body, friction=0.3, offset=None, samples="nodes"):
+    def __init__(
+        self, stepper, body, friction=0.3, offset=None, samples="nodes", pinch_angle=180.0
+    ):
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
         self._held = np.ascontiguousarray(stepper.shell.supports.held[:n, :3])
         fixed = self._held.all(axis=1)
         self._guided = np.flatnonzero(self._held.any(axis=1) & ~fixed)
-        self.correction = Correction(body, n, friction, offset, fixed=fixed)
+        self._pinch = {"pinch_angle": pinch_angle}
+        self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._pinch)
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None
         if not (isinstance(samples, str) and samples == "nodes") and samples != 0:
@@ -87,7 +91,7 @@ class Touch:
         self._mass[still] = 1.0
         self._points, self._after = np.empty((k, 9)), np.empty((k, 9))
         self._free = np.empty_like(stepper.v)
-        self.inner = Correction(body, k, friction, offset, fixed=still)
+        self.inner = Correction(body, k, friction, offset, fixed=still, **self._pinch)
 
     def __call__(self, stepper, dt):
         start = time.perf_counter()
@@ -153,6 +157,7 @@ class Touch:
             ledger.impulse += impulse
         outer._counts += inner._counts
         outer.max_depth = max(outer.max_depth, inner.max_depth)
+        outer.pinch_depth = max(outer.pinch_depth, inner.pinch_depth)
 
     def state(self):
         """What the next step needs to know of this one, for `restore` (copies)."""

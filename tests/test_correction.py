@@ -629,6 +629,41 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed():
 # ---------------------------------------------------------------- bookkeeping
 
 
+@pytest.mark.parametrize("pinch_angle", [180.0, 105.0])
+def test_closing_bodies_squeeze_a_node_out_or_pinch_it(pinch_angle):
+    """A node on a sphere at rest, another sphere comes over it: the crease goes outward.
+
+    Rigid bodies take the node along in the crease, which gets it as far as the spheres' circle of
+    intersection; with a pinch angle it stays in its place on the first, below the second.
+    """
+    x = np.array([[0.0, 0.0, 0.1 + 1e-9]])
+    start, end = np.array([0.02, 0.0, 0.26]), np.array([0.02, 0.0, 0.14])
+    body = Body(
+        [
+            Segment("thigh", [0.1] * 3, Fixed()),
+            Segment("calf", [0.1] * 3, Steady(start, velocity=end - start)),
+        ]
+    )
+    correction = Correction(body, 1, friction=0.1, pinch_angle=pinch_angle)
+    v, dt, pinched, pushed = np.zeros((1, 3)), 1e-3, 0, 0.0
+    for step in range(1000):
+        v[:] = [0.0, 0.0, -1e-3]  # held lightly on the first
+        correction(x, v, np.ones(1), dt, step * dt)
+        x += dt * v
+        pinched += correction.pinched
+        pushed = max(pushed, np.linalg.norm(correction.last.impulse))
+    assert np.linalg.norm(x) == pytest.approx(0.1, abs=1e-6)
+    if pinch_angle == 180.0:
+        assert clearance(body, 1.0, x).min() > -1e-6
+        assert np.linalg.norm(x - [0, 0, 0.1]) > 0.05
+    else:
+        assert pinched > 100
+        assert np.linalg.norm(x - [0, 0, 0.1]) < 0.01
+        assert correction.pinch_depth > 0.04 and pushed < 0.2
+    with pytest.raises(ValueError, match="90 to 180 degrees"):
+        Correction(body, 1, pinch_angle=10.0)
+
+
 def test_a_node_meets_only_segments_it_can_touch():
     """Two equal spheres in one place: the node stops at the second, or falls through both."""
     body = spheres((0, 0, 0), (0, 0, 0))
