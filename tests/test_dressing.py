@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Trousers put on a standing wearer: outside the body, not stretched, quiet, held by the belt."""
+
+import atexit
+import shutil
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+from test_build import turned
+
+from contact.gait import synthetic_walk
+from contact.recording import SIDES
+from shellform import build, dressed_state
+from shellform.activity import Activity
+from shellform.dressing import drop_below
+from shellform.ledger import Ledger
+from shellform.scene import Garment, Motion, Scene
+
+COMM = MPI.COMM_WORLD
+SHORT = Motion(end=0.4)
+
+
+class Dressed(NamedTuple):
+    """What is kept of a wearer being dressed."""
+
+    path: Path  # of the dressed state
+    report: dict
+    positions: np.ndarray
+    stages: dict  # stage -> (k, 4): time, highest and lowest point [m], nodes that may meet feet
+    rows: list  # of the ledger, while dressing
+    weight: float
+    allowed: np.ndarray  # ellipsoids that each node may meet, in the end
+    pulls: int
+
+
+@cache
+def dressed(fabric):
+    """A wearer dressed in trousers of the draft setting, once for all tests."""
+    folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
+    if COMM.rank == 0:
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    activity = Activity(Scene(fabric=fabric, motion=SHORT), COMM)
+    wearer, correction = activity.wearer, activity.touch.correction
+    feet = wearer.mask([f"{side}_foot" for side in SIDES])
+    ledger = Ledger(None, activity.stepper, activity.touch)
+    stages = {}
+
+    def watch(stage, stepper):
+        heights = activity.shell.positions()[:, 2]
+        free = COMM.allreduce(int(np.count_nonzero(correction.allowed & feet)))
+        stages.setdefault(stage, []).append((stepper.time, heights.max(), heights.min(), free))
+        if stage != "settled":  # the last look at the belt begins its own window
+            ledger.record()
+
+    report = activity.dress(watch)
+    path = folder / "dressed.npz"
+    dressed_state.save(path, activity)
+    COMM.Barrier()
+    return Dressed(
+        path,
+        report,
+        activity.shell.positions(),
+        {stage: np.array(rows) for stage, rows in stages.items()},
+        ledger.rows,
+        activity.weight,
+        activity.shell.partition.gather(correction.allowed[:, None].astype(float))[:, 0],
+        len(activity.stepper.pulls),
+    )
+
+
+@cache
+def standing():
+    """Wearer and garment before; no finite elements."""
+    scene = Scene(motion=SHORT)
+    wearer = build.wearer_of(scene)
+    return wearer, build.garment_of(scene, wearer)
+
+
+fabrics = pytest.mark.parametrize(
+    "fabric", ["compliant", pytest.param("stiff", marks=[pytest.mark.serial, pytest.mark.slow])]
+)
+
+
+@fabrics
+def test_outside_the_body(fabric):
+    """No node deeper than 0.1 mm below the surface it may meet, nor in the feet.
+
+    Less 0.1 mm in every semi-axis an ellipsoid holds all its points that are 0.1 mm deep: its
+    support function |R n| - |d n| <= |(R - d) n|.
+    """
+    state = dressed(fabric)
+    wearer, _ = standing()
+    pose = wearer.new_pose(wearer.start)
+    assert state.report["depth"] <= 1e-4
+    offset = 0.5 * build.fabric(Scene(fabric=fabric)).thickness
+    met = 0
+    for k, name in enumerate(wearer.names):
+        may = np.round(state.allowed).astype(int) & wearer.mask([name]) != 0
+        local = (state.positions[may] - pose.centres[k]) @ pose.axes[k].T
+        deep = np.linalg.norm(local / (wearer.radii[k] + offset - 1e-4), axis=1)
+        assert deep.min() > 1.0, name
+        met += np.count_nonzero(
+            np.linalg.norm(local / (wearer.radii[k] + offset + 1e-3), axis=1) < 1
+        )
+    assert met > 20  # it does sit on the body
+
+
+@fabrics
+def test_cloth_is_not_stretched(fabric):
+    """Edges more than 80 mm below the belt are less than 5 % longer; the waist is not pulled on."""
+    state, (_, surface) = dressed(fabric), standing()
+    assert state.report["stretch"] < 0.05
+    cells = surface.cells
+    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    low = surface.points[surface.edges["waist"], 2].min() - 0.08
+    ends = ends[(surface.points[ends, 2] < low).all(axis=1)]
+    rest, now = (
+        np.linalg.norm(np.diff(p[ends], axis=1), axis=2) for p in (surface.points, state[2])
+    )
+    assert (now / rest - 1).max() < 0.05
+    # and nobody walks off in trousers that slid down
+    waist = np.unique(surface.edges["waist"])
+    assert np.abs(state.positions[waist, 2] - surface.points[waist, 2]).max() < 0.03
+
+
+@fabrics
+def test_belt_has_its_tension(fabric):
+    """As measured by what presses on the body around the waist: 5 %."""
+    report = dressed(fabric).report
+    print(f"{fabric}: belt {report['belt_tension']:.3f} N of {report['belt_asked']:.3f} N")
+    assert report["belt_asked"] == Scene().belt
+    assert report["belt_tension"] == pytest.approx(report["belt_asked"], rel=0.05)
+
+
+@fabrics
+def test_settled(fabric):
+    """Slower than 10 mm/s, in less than the longest time; only the belt still pulls."""
+    state = dressed(fabric)
+    assert state.report["settled"] and state.report["speed"] <= 0.01
+    assert 1.7 < state.report["seconds"] < 4.7
+    assert state.pulls == 1
+    energy = [row["kinetic"] for row in state.rows]
+    assert energy[-1] < 0.02 * max(energy)
+
+
+@fabrics
+def test_order_of_dressing(fabric):
+    """Below without feet, pulled up over the legs, feet back when up; the clock runs on."""
+    stages = dressed(fabric).stages
+    wearer, surface = standing()
+    assert list(stages)[:4] == ["below", "pull", "up", "belt"]
+    assert list(stages)[-1] == "settled"
+    time = np.concatenate([rows[:, 0] for rows in list(stages.values())[:-1]])
+    assert (np.diff(time) >= 0).all()
+    assert stages["settled"][-1, 0] == wearer.start
+    for stage, rows in stages.items():
+        assert (rows[:, 3] > 0).all() == (stage not in ("below", "pull", "up")), stage
+    # below: the waist is lower than the lowest point of the legs, but for the gap
+    pose = wearer.new_pose(wearer.start)
+    rest = surface.points[:, 2].max() - drop_below(surface, wearer, wearer.start)
+    shanks = [wearer.index(f"{side}_shank") for side in SIDES]
+    assert stages["below"][0, 1] == pytest.approx(rest, abs=1e-9)
+    assert rest < (pose.centres[shanks, 2] - wearer.radii[shanks, 0]).min()
+    rise = stages["pull"][:, 1]
+    assert np.count_nonzero(np.diff(rise) > 0) > 0.8 * (len(rise) - 1)
+
+
+@fabrics
+def test_books_of_dressing(fabric):
+    """Momentum closes to roundoff through all stages; in the end the body carries the weight."""
+    state = dressed(fabric)
+    seconds = state.rows[-1]["time"] - state.rows[0]["time"]
+    worst = max(row["momentum_residual"] for row in state.rows)
+    assert worst < 1e-9 * state.weight * seconds
+    lifted = sum(state.rows[-1][f"force_{name}_z"] for name in standing()[0].names)
+    assert lifted == pytest.approx(state.weight, rel=0.1)
+
+
+def test_worn_again_in_another_motion(monkeypatch):
+    """Another walk that starts elsewhere, in another direction: the same drape about the body."""
+    state = dressed("compliant")
+    monkeypatch.setattr(
+        build, "synthetic_walk", lambda **kinds: turned(synthetic_walk(**kinds), -2.0, (1.0, 2.0))
+    )
+    activity = Activity(Scene(motion=Motion(end=0.5, obstacle=0.0)), COMM)
+    report = dressed_state.wear(activity, state.path)
+    assert report["settled"] and report["depth"] <= 1e-4 and report["seconds"] <= 1.0
+    assert report["belt_tension"] == pytest.approx(state.report["belt_tension"], rel=0.02)
+    assert activity.stepper.time == activity.wearer.start
+    _, middle, heading = build.stance(activity.wearer)
+    turn = np.array([[heading[0], -heading[1], 0], [heading[1], heading[0], 0], [0, 0, 1.0]])
+    _, before, _ = build.stance(standing()[0])
+    now = (activity.shell.positions() - middle) @ turn + before
+    away = np.linalg.norm(now - state.positions, axis=1)
+    print(f"worn again: mean {1e3 * away.mean():.3f} mm, largest {1e3 * away.max():.3f} mm off")
+    assert away.mean() < 1e-3 and away.max() < 1e-2
+
+
+def test_state_of_another_garment(tmp_path):
+    """Nothing is put on that was made for another mesh."""
+    state = dressed("compliant")
+    activity = Activity(Scene(motion=SHORT, garment=Garment(cell_size=0.04)), COMM)
+    with pytest.raises(ValueError, match=r"dressed\.npz is of a garment with 1345 .* anew"):
+        dressed_state.wear(activity, state.path)
+    with pytest.raises(FileNotFoundError, match=r"nowhere\.npz"):
+        dressed_state.wear(activity, tmp_path / "nowhere.npz")
