@@ -19,6 +19,7 @@ import numpy as np
 from numba import njit
 
 from contact.friction import coefficients
+from contact.pinch import mates_of
 from contact.planes import PLANE
 from contact.point import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, Ledger, meet_body
 from contact.travel import TRAVEL, in_reach, set_travel
@@ -29,8 +30,8 @@ EVERY = 2**62 - 1  # all segments
 @njit(cache=True, error_model="numpy")
 def _correct(
     x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
-    planes, room, forced, samples, weights, segment, sample_segment, impulse, book, window,
-    window_book, counts,
+    planes, room, forced, samples, weights, segment, sample_segment, swallowed, sample_swallowed,
+    impulse, book, window, window_book, counts,
 ):  # fmt: skip
     """One step of contact for all nodes, then for all samples; node + 1 if not finite; depths."""
     set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
@@ -49,13 +50,13 @@ def _correct(
             continue
         reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
         if not in_reach(x[i], reach, travel, allowed[i]):
-            segment[i] = -1
+            segment[i], swallowed[i] = -1, 0
             continue
         for c in range(3):
             kick[c] = v[i, c] - old[i, c]
-        segment[i], depth, pinch = meet_body(
-            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], travel, planes, room,
-            book, counts, change,
+        segment[i], depth, pinch, swallowed[i] = meet_body(
+            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], swallowed[i], travel,
+            planes, room, book, counts, change,
         )  # fmt: skip
         deepest, pinched = max(deepest, depth), max(pinched, pinch)
         if segment[i] >= 0:
@@ -80,9 +81,9 @@ def _correct(
                         kick[c] += w * (v[i, c] - booked - old[i, c])
             if inverse == 0.0:
                 continue
-            segment_s, depth, pinch = meet_body(
-                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], both, travel, planes,
-                room, book, counts, change,
+            segment_s, depth, pinch, sample_swallowed[cell, s] = meet_body(
+                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], both,
+                sample_swallowed[cell, s], travel, planes, room, book, counts, change,
             )  # fmt: skip
             sample_segment[cell, s] = segment_s
             deepest, pinched = max(deepest, depth), max(pinched, pinch)
@@ -112,8 +113,8 @@ class Correction:
     fixed : (n,) bool or None, nodes of prescribed motion: left alone
     recovery : float, greatest speed at which a point that starts a step inside is moved out [m/s]
     allowed : (n,) int or None, segments each node can touch, see `Body.mask`; None: all
-    pinch_angle : float, angle between the normals of two segments from which on they pinch a point
-        between them instead of pushing it out together [degrees]; 180: hardly ever
+    give : float, push of two segments together, over the mass, from which on they close over a
+        point between them instead of squeezing it out [m/s^2], see pinch.py
     samples : None or (cells (k, 4) int, weights (s, 4) float)
         Further points sum_a weights[a] x[cells[a]] in every cell, met once after the nodes; their
         impulses go to the nodes by the weights. Cells of owned nodes only.
@@ -124,6 +125,7 @@ class Correction:
     window : Ledger of all steps since the last `reset`
     segment : (n,) int, segment touched in the last step, where two hold the node the one that
         pushes more; -1 without contact
+    swallowed : (n,) int, segments that have closed over a pinched node, see `Body.mask`
     evaluated : closest points computed in the last step
     active, sticking : points in contact in the last step, of these in stick
     pinched : points to which several segments left no room in the last step
@@ -133,15 +135,15 @@ class Correction:
 
     def __init__(
         self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, samples=None,
-        allowed=None, pinch_angle=180.0,
+        allowed=None, give=np.inf,
     ):  # fmt: skip
         mu_s, mu_k = coefficients(friction)
         if not (np.isfinite(offset) and offset >= 0):
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
         if not recovery > 0:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
-        if not 90 <= pinch_angle <= 180:
-            raise ValueError(f"the pinch angle lies in 90 to 180 degrees, not {pinch_angle}")
+        if not give > 0:
+            raise ValueError(f"the acceleration from which bodies give is positive, not {give}")
         self.fixed = np.zeros(nodes, bool) if fixed is None else np.array(fixed, bool)
         if self.fixed.shape != (nodes,):
             raise ValueError(f"fixed has shape {self.fixed.shape}, not ({nodes},)")
@@ -157,20 +159,18 @@ class Correction:
             raise ValueError("samples are cells of four nodes and rows of four weights")
         if self._cells.size and not 0 <= self._cells.min() <= self._cells.max() < nodes:
             raise ValueError(f"sample cells name nodes outside 0 to {nodes - 1}")
-        self.body, self._law = (
-            body,
-            (
-                *(mu_s, mu_k, float(offset), float(recovery)),
-                float(np.cos(np.radians(pinch_angle))),
-            ),
-        )
+        self.body = body
+        self._law = (mu_s, mu_k, float(offset), float(recovery), float(give))
         m = len(body.radii)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
         self.segment = np.full(nodes, -1, np.int64)
+        self.swallowed = np.zeros(nodes, np.int64)
         self._sample_segment = np.full((len(self._cells), len(self._weights)), -1, np.int64)
+        self._sample_swallowed = np.zeros_like(self._sample_segment)
         self.max_depth, self.pinch_depth, self._counts = 0.0, 0.0, np.zeros(COUNTS, np.int64)
         self._radii = np.ascontiguousarray(body.radii, float)
         self._scratch = np.zeros(m, TRAVEL), np.zeros(m, PLANE), np.zeros((8, 3))
+        self._scratch[0]["mates"] = mates_of(body)
         self._start, self._end = body.new_pose(), body.new_pose()
         self._start_time = self._end_time = None
 
@@ -204,8 +204,8 @@ class Correction:
             x, v, v if v_old is None else v_old, mass, self.fixed, self.allowed, dt, self._law,
             self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
             *self._scratch, v_old is not None, self._cells, self._weights, self.segment,
-            self._sample_segment, last.impulse, last.table, window.impulse, window.table,
-            self._counts,
+            self._sample_segment, self.swallowed, self._sample_swallowed, last.impulse, last.table,
+            window.impulse, window.table, self._counts,
         )  # fmt: skip
         if bad:
             i = bad - 1
@@ -261,9 +261,16 @@ class Correction:
 
     def state(self):
         """What the next step needs to know of this one, for `restore` (copies)."""
-        return {"segment": self.segment.copy(), "sample_segment": self._sample_segment.copy()}
+        return {
+            "segment": self.segment.copy(),
+            "swallowed": self.swallowed.copy(),
+            "sample_segment": self._sample_segment.copy(),
+            "sample_swallowed": self._sample_swallowed.copy(),
+        }
 
     def restore(self, state):
         """Continue from `state()`."""
         self.segment[:] = state["segment"]
+        self.swallowed[:] = state["swallowed"]
         self._sample_segment[:] = state["sample_segment"]
+        self._sample_swallowed[:] = state["sample_swallowed"]

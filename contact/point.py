@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from contact.friction import transmitted
+from contact.pinch import closing, overlapping, still_between
 from contact.planes import find_planes, keep_one_exit
 from contact.wedge import EJECTION, PINCHED, nearest_step
 
@@ -22,9 +23,7 @@ EVALUATED, ACTIVE, PINCHES, STICKING, COUNTS = 0, 1, 2, 3, 4
 
 
 @njit(cache=True, error_model="numpy")
-def _rub(
-    free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved, step, facing
-):  # fmt: skip
+def _rub(free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved, step):
     """Friction on all planes that push; `step` is updated. Returns planes pushing, all stick.
 
     Friction works on the slip that is left: planes share it by their push, so a groove of two
@@ -68,20 +67,20 @@ def _rub(
                 step[c] = moved[c]
             break
         alone = pushing == 1
-        pushing = nearest_step(moved, planes, count, first, slack, step, facing)
+        pushing = nearest_step(moved, planes, count, first, slack, step)
         if (alone and pushing == 1) or change <= slack:
             break
     if pushing == 0:  # friction alone would lift the point off: leave it out
         for k in range(count):
             for c in range(3):
                 planes[k].rub[c] = 0.0
-        pushing, stick = nearest_step(free, planes, count, first, slack, step, facing), False
+        pushing, stick = nearest_step(free, planes, count, first, slack, step), False
     return pushing, stick
 
 
 @njit(cache=True, error_model="numpy")
 def meet_body(
-    x, v, kick, mass, dt, law, last, allowed, travel, planes, room, book, counts, change
+    x, v, kick, mass, dt, law, last, allowed, swallowed, travel, planes, room, book, counts, change
 ):  # fmt: skip
     """Contact of one point over one step.
 
@@ -90,25 +89,31 @@ def meet_body(
     x, v : (3,) float, position at t [m], velocity before contact [m/s]
     kick : (3,) float, change of velocity by the forces of this step [m/s]
     mass : float, effective mass [kg]
-    law : mu_s, mu_k, offset [m], recovery [m/s], facing (wedge.py)
+    law : mu_s, mu_k, offset [m], recovery [m/s], give [m/s^2]: push from two segments, over the
+        mass, from which on they close over the point (pinch.py)
     last : int, segment of the last step or -1
     allowed : int, segments that the point can touch, see travel.py
+    swallowed : int, those of them that have closed over it, see pinch.py
     room : (4, 3) float, scratch
     book : (m, 9) float, added to; counts : (4,) int, added to
     change : (3,) float, filled: change of velocity [m/s]
 
     Returns
     -------
-    segment (-1: no contact), depth at the start [m], the same of a pinched point, whose first depth
-    is zero
+    segment (-1: no contact), depth at the start [m], depth in segments that swallow it [m], these
     """
-    mu_s, mu_k, offset, recovery, facing = law
+    mu_s, mu_k, offset, recovery, give = law
     free, step, moved, at = room[0], room[1], room[2], room[3]
     for c in range(3):
         free[c] = step[c] = dt * v[c]
         at[c] = 0.0
     count, pushing, first, slack, depth, tau = 0, 0, -1, 0.0, 0.0, 0.0
-    stick = False
+    stick, pinch = False, 0.0
+    if swallowed != 0:
+        swallowed, pinch = still_between(x, swallowed, travel, offset)
+        if swallowed != 0:
+            counts[PINCHES] += 1
+            allowed &= ~swallowed
     while True:
         found, tau, evaluated = find_planes(
             x, at, tau, step, travel, allowed, offset, recovery * dt, count, planes
@@ -129,37 +134,37 @@ def meet_body(
                 first = k
             for c in range(3):
                 planes[k].rub[c] = 0.0
-        pushing = nearest_step(free, planes, count, first, slack, step, facing)
+        pushing = nearest_step(free, planes, count, first, slack, step)
         if pushing != 0 and pushing != 1 and depth > slack:
             # where several bodies hold the point, the way out may be EJECTION times the overlap
             least = recovery * dt / EJECTION
             for k in range(count):
                 planes[k].bound -= max(0.0, min(planes[k].depth, recovery * dt) - least)
                 planes[k].depth = min(planes[k].depth, least)
-            pushing = nearest_step(free, planes, count, first, slack, step, facing)
+            pushing = nearest_step(free, planes, count, first, slack, step)
         if pushing != 0 and mu_s > 0.0:
             pushing, stick = _rub(
-                free,
-                planes,
-                count,
-                first,
-                pushing,
-                slack,
-                mu_s,
-                mu_k,
-                mass / dt,
-                moved,
-                step,
-                facing,
+                free, planes, count, first, pushing, slack, mu_s, mu_k, mass / dt, moved, step
             )
         if inside > 1 or pushing == PINCHED:
             break
     if pushing == 0:
-        return -1, depth, 0.0
-    pinch = 0.0
+        return -1, depth, pinch, swallowed
+    closed = 0
     if pushing == PINCHED:
-        counts[PINCHES] += 1
-        pinch, depth = depth, 0.0
+        counts[PINCHES] += swallowed == 0
+        pinch, depth = max(pinch, depth), 0.0
+        if give < np.inf:
+            closed = overlapping(planes, count, travel)
+    elif pushing > 1 and last >= 0 and give < np.inf:
+        push = 0.0
+        for k in range(count):
+            push += planes[k].push
+        if push > give * dt * dt:
+            closed = closing(planes, count, travel)
+    if closed != 0:
+        counts[PINCHES] += swallowed == 0 and pushing != PINCHED
+        return -1, depth, pinch, swallowed | closed
 
     for c in range(3):
         change[c] = 0.0
@@ -188,10 +193,10 @@ def meet_body(
         book[b, FRICTION] += rubbed
         book[b, IMPACT] += pressed
     if segment < 0:  # pinched, and on the near side of the segment that holds it
-        return last, depth, pinch
+        return last, depth, pinch, swallowed
     counts[ACTIVE] += 1
     counts[STICKING] += stick
-    return segment, depth, pinch
+    return segment, depth, pinch, swallowed
 
 
 class Ledger:

@@ -26,6 +26,7 @@ TRAVEL = np.dtype(
         ("far", float),  # |x - centre| near > far + |step|: out of reach
         ("near", float),
         ("slack", float),  # roundoff of a distance [m]
+        ("mates", np.int64),  # set of the ellipsoids that move as one with this
     ]
 )
 

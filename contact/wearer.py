@@ -53,7 +53,8 @@ class Wearer:
 
     Attributes
     ----------
-    names : tuple of str; radii : (m, 3) float [m]; segments : tuple of str, one an ellipsoid
+    names : tuple of str; radii : (m, 3) float [m]
+    segments, carriers : tuple of str, the segment each ellipsoid rides on
     joints : tuple of str, those with both segments in the recording
     start, end : float [s], first and last frame
 
@@ -65,7 +66,7 @@ class Wearer:
     def __init__(self, recording, ellipsoids, from_rest=True):
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
-        self.segments = tuple(segment for _, segment, *_ in ellipsoids)
+        self.segments = self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
         self.radii = np.array([radii for *_, radii in ellipsoids], float)
         carriers = tuple(recording.points)
         for name, segment, *_ in ellipsoids:

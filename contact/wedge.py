@@ -9,11 +9,6 @@ plane that says the same as another gets nothing. The step is a contraction of `
 from one plane over the edge to the next without a jump.
 
 All combinations of one, two, three planes are tried: there are rarely more than three planes.
-
-Where two bodies close on the cloth between them, as calf and thigh do at a bent knee, rigid
-ellipsoids would squeeze it out of the crease with any force; flesh gives way and keeps it. With a
-`facing`, planes that face each other more than that do not push together: the body that has the
-point holds it, the other may pass over it (PINCHED).
 """
 
 import numpy as np
@@ -41,13 +36,7 @@ def _overlap(step, planes, count, i, j, k):
 
 
 @njit(cache=True, error_model="numpy")
-def _least_cosine(planes, i, j, k):
-    p, q, r = planes[i].normal, planes[j].normal, planes[k].normal
-    return min(_dot(p, q), _dot(q, r), _dot(r, p))
-
-
-@njit(cache=True, error_model="numpy")
-def nearest_step(free, planes, count, first, slack, step, facing=-1.0):
+def nearest_step(free, planes, count, first, slack, step):
     """Nearest admissible step.
 
     Parameters
@@ -58,13 +47,11 @@ def nearest_step(free, planes, count, first, slack, step, facing=-1.0):
     first : int, plane to be tried first (it wins a tie), or -1
     slack : float, roundoff of the bounds [m]
     step : (3,) float, filled [m]
-    facing : float, cosine of the angle of normals from which on two planes do not push together
 
     Returns
     -------
-    Number of planes that push; PINCHED when no step is admissible, or only one that ejects the
-    point or that planes facing each other would push together. Then the plane `first`, or without
-    it the one with the deepest overlap, pushes alone.
+    Number of planes that push; PINCHED when no step is admissible or only one that ejects the
+    point. Then the plane `first`, or without it the one with the deepest overlap, pushes alone.
     """
     deepest, need = -1, 0.0
     for k in range(count):
@@ -103,8 +90,6 @@ def nearest_step(free, planes, count, first, slack, step, facing=-1.0):
                 if det < 1e-20:
                     continue
                 cosine = _dot(p, q)
-                if cosine < facing:
-                    continue
                 gi, gj = planes[i].bound - _dot(p, free), planes[j].bound - _dot(q, free)
                 a, b = (gi - cosine * gj) / det, (gj - cosine * gi) / det
                 left = max(-a, -b)
@@ -119,8 +104,6 @@ def nearest_step(free, planes, count, first, slack, step, facing=-1.0):
         for i in range(count):
             for j in range(i + 1, count):
                 for k in range(j + 1, count):
-                    if _least_cosine(planes, i, j, k) < facing:
-                        continue
                     jk = _cross(planes[j].normal, planes[k].normal)
                     ki = _cross(planes[k].normal, planes[i].normal)
                     ij = _cross(planes[i].normal, planes[j].normal)

@@ -8,7 +8,7 @@ contact forces give the torque about every joint, for compliant and for stiff tr
     mpirun -n 2 python demos/walk.py                  # one rank a fabric
     python demos/walk.py --motion walk.c3d --fabric stiff
 
-leaves walk.png, torque.png, walk.gif and summary.json in the folder, and a folder a fabric with
+leaves walk.png, torque.png, pressure.png, walk.gif and summary.json in the folder, and a folder a fabric with
 torque.csv, ledger.csv, a series for ParaView, the dressed state and a checkpoint
 (`shellform resume`).
 """
@@ -104,12 +104,12 @@ def main(given=None):
         newton_iterations=0,
     )
     if COMM.rank == 0:
-        print(f"\nwrote {options.out}/walk.png, torque.png, walk.gif, summary.json")
+        print(f"\nwrote {options.out}/walk.png, torque.png, pressure.png, walk.gif, summary.json")
 
 
 def draw(options, names, scene):
     """walk.png, torque.png and walk.gif."""
-    from shellform import walk_pictures
+    from shellform import pressure, walk_pictures
 
     first = options.out / names[0]
     rows = {name: rows_until(options.out / name / "torque.csv", np.inf) for name in names}
@@ -117,6 +117,10 @@ def draw(options, names, scene):
     dressing = activity.dressing_frames(first)
     wearer = build.wearer_of(scene)
     walk_pictures.draw_all(options.out, wearer, dressing, first, rows, JOINT, title)
+    skin = pressure.load(first / "pressure.npz")
+    walk_pictures.pressure_figure(
+        options.out / "pressure.png", wearer, skin, wearer.start, f"{names[0]} trousers"
+    )
 
 
 if __name__ == "__main__":

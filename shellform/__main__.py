@@ -59,15 +59,21 @@ def parser():
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
     kinds = top.add_subparsers(dest="do", required=True)
-    new = kinds.add_parser("new", help="write a commented scene to start from")
+    new = kinds.add_parser("new", allow_abbrev=False, help="write a commented scene to start from")
     new.add_argument("scene", type=Path)
-    check = kinds.add_parser("check", help="say what would be modelled and what it would cost")
+    check = kinds.add_parser(
+        "check", allow_abbrev=False, help="say what would be modelled and what it would cost"
+    )
     check.add_argument("scene", type=Path)
-    run = kinds.add_parser("run", help="dress the wearer, play the motion, report torques")
+    run = kinds.add_parser(
+        "run", allow_abbrev=False, help="dress the wearer, play the motion, report torques"
+    )
     run.add_argument("scene", type=Path)
     run.add_argument("--out", type=Path, help="folder for results (default: out/NAME)")
     run.add_argument("--dressed", type=Path, help="dressed.npz of an earlier run, used again")
-    resume = kinds.add_parser("resume", help="go on with a run that was stopped")
+    resume = kinds.add_parser(
+        "resume", allow_abbrev=False, help="go on with a run that was stopped"
+    )
     resume.add_argument("out", type=Path, help="folder of the run")
     for kind in (run, resume):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")

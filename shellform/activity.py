@@ -61,7 +61,7 @@ class Activity:
             self.wearer,
             friction,
             contact.offset,
-            pinch_angle=contact.pinch_angle,
+            pinch_pressure=contact.pinch_pressure,
         )
         owned = self.shell.partition.owned_nodes
         self.touch.correction.allowed[:] = build.reach_of(self.surface, self.wearer)[owned]
@@ -122,7 +122,8 @@ def resume(out, comm, watch=None):
     with report.stage("setup"):
         activity = Activity(scene, comm)
         _describe(report, activity)
-    series = Series(out, keep=True)
+    with np.load(state) as file:
+        series = Series(out, until=float(file["clock"][0]))
     return _play(activity, report, series, out, watch, state=state)
 
 
@@ -143,6 +144,11 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
     joints = torque.Torque(touch, stepper, scene.output.parts, out / "torque.csv", resumed)
     ledger = Ledger(out / "ledger.csv", stepper, touch, resumed)
     extremes = Extremes(touch, stepper, resumed)
+    skin = None
+    if scene.output.pressure:
+        from . import pressure
+
+        skin = pressure.Pressure(touch, stepper, scene.output.pressure, resumed)
     between = max(1, round(scene.output.checkpoint / scene.output.window))
     picture = max(1, round(1 / (scene.output.frames * scene.output.window)))
     with Interrupt(comm) as interrupt:
@@ -152,6 +158,8 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
                 stepper.advance(time)
             with report.stage("output"):
                 joints.record(time)
+                if skin:
+                    skin.record(time)
                 impulse = touch.correction.window.impulse / touch.correction.window.seconds
                 ledger.record()
                 if k % picture == 0 or k == count:
@@ -162,6 +170,8 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
                 if asked or k % between == 0 or k == count:
                     more = joints.saved() | ledger.saved() | extremes.saved()
                     more |= {"fit": json.dumps(fit), "done": k}
+                    if skin:
+                        more |= skin.saved()
                     checkpoint.save(out / "checkpoint.npz", stepper, touch, more)
             if asked and k < count:
                 raise command.Stopped(
@@ -170,6 +180,10 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
                 )
     report.shift(touch.seconds, "solve", "contact")
     results = summary(activity, joints, ledger, extremes, fit)
+    if skin:
+        results["pressure"] = pressure.summary(skin.result())
+        if comm.rank == 0:
+            pressure.save(out / "pressure.npz", skin.result())
     report.write(results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt)
     return results
 
@@ -348,6 +362,12 @@ def draw(out):
     wearer = build.wearer_of(scene)
     rows = {scene.title: torque.rows_until(out / "torque.csv", np.inf)}
     walk_pictures.draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
+    if (out / "pressure.npz").is_file():
+        from . import pressure
+
+        skin = pressure.load(out / "pressure.npz")
+        path = out / "pressure.png"
+        walk_pictures.pressure_figure(path, wearer, skin, wearer.start, scene.title)
 
 
 def _settings(scene):

@@ -8,8 +8,6 @@ import traceback
 
 from mpi4py import MPI
 
-from .fabric import FabricError
-
 
 def parse(parser, arguments=None):
     """Parse a command line; options with one dash that the parser does not know go to PETSc.
@@ -67,7 +65,7 @@ def run(main, arguments=None):
     from .statics import NotConverged
     from .stepper import Unstable
 
-    known = (ValueError, FabricError, NotConverged, Unstable, FloatingPointError, OSError)
+    known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     world = MPI.COMM_WORLD
     try:
         main(arguments)

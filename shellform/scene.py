@@ -80,14 +80,14 @@ class Contact:
     """How cloth meets the body.
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
-    thickness; pinch_angle : between normals from which on two parts of the body, as calf and thigh,
-    pinch the cloth between them [degrees], see contact/wedge.py.
+    thickness; pinch_pressure : above which two parts of the body, as calf and thigh, close over the
+    cloth between them [Pa], 0 for parts that never give way; see contact/pinch.py.
     """
 
     friction: float = 0.3
     kinetic_friction: float | None = None
     offset: float | None = _unit(None, "m")
-    pinch_angle: float = _unit(105.0, "degrees")
+    pinch_pressure: float = _unit(4000.0, "Pa")
 
 
 @dataclass(frozen=True)
@@ -110,12 +110,14 @@ class Steps:
 class Output:
     """What is told: window of the averages [s], pictures a second, which parts count for a joint.
 
-    parts : 'distal', 'child' or a table, joint -> ellipsoids; checkpoint : time between them [s].
+    parts : 'distal', 'child' or a table, joint -> ellipsoids; pressure : side of a patch of the map
+    of pressure on the skin [m], 0 for no map; checkpoint : time between them [s].
     """
 
     window: float = _unit(0.02, "s")
     frames: float = _unit(10.0, "1/s")
     parts: str | dict = "distal"
+    pressure: float = _unit(0.03, "m")
     checkpoint: float = _unit(0.5, "s")
 
 
@@ -182,13 +184,14 @@ RANGES = {
     "garment.cell_size": (0.004, 0.1, "a length in m, as 0.025"),
     "contact.friction": (0, 2, "0.3 is usual for cloth on cloth"),
     "contact.kinetic_friction": (0, 2, "not above the static friction"),
-    "contact.pinch_angle": (90, 180, "105 degrees; 180 for rigid bodies that give no way"),
+    "contact.pinch_pressure": (0, 1e6, "4000 Pa; 0 for parts that never give way"),
     "contact.offset": (0, 0.02, "half the thickness of the cloth, in m"),
     "steps.time_step_factor": (0.01, 1, "a part of the largest stable step"),
     "steps.damping": (0, 1e-2, "1e-5 s is much; it shortens the step"),
     "steps.drag": (0, 100, "0.3 1/s is usual"),
     "output.window": (1e-4, 1, "0.02 s is usual"),
     "output.frames": (0.1, 200, "pictures a second"),
+    "output.pressure": (0, 0.2, "patches of 0.03 m, 0 for no map"),
     "output.checkpoint": (1e-3, 1e4, "0.5 s is usual"),
 }
 

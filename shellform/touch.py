@@ -36,7 +36,8 @@ class Touch:
     friction : float or (mu_s, mu_k)
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell
-    pinch_angle : float [degrees], see `Correction`
+    pinch_pressure : float [Pa] or None: above it two parts of the body close over the cloth between
+        them instead of squeezing it out (contact/pinch.py); None: they never do
 
     Attributes
     ----------
@@ -50,14 +51,15 @@ class Touch:
     """
 
     def __init__(
-        self, stepper, body, friction=0.3, offset=None, samples="nodes", pinch_angle=180.0
+        self, stepper, body, friction=0.3, offset=None, samples="nodes", pinch_pressure=None
     ):
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
         self._held = np.ascontiguousarray(stepper.shell.supports.held[:n, :3])
         fixed = self._held.all(axis=1)
         self._guided = np.flatnonzero(self._held.any(axis=1) & ~fixed)
-        self._pinch = {"pinch_angle": pinch_angle}
+        areal = stepper.shell.fabric.areal_mass
+        self._pinch = {"give": pinch_pressure / areal} if pinch_pressure else {}
         self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._pinch)
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None

@@ -225,7 +225,8 @@ def pressure_figure(path, wearer, map, time, title=""):
     """The body from front and back, coloured by the mean pressure of the clothing.
 
     Skin that nothing touched is grey. What lies inside another ellipsoid at that time is not drawn.
-    The colours end at the pressure that 99 % of the area touched stay below; peaks go beyond.
+    A belt presses a thousand times harder than a leg of the trousers: the scale is logarithmic. It
+    ends at what 99 % of the area touched stay below and begins at a thousandth of that.
 
     Parameters
     ----------
@@ -238,7 +239,7 @@ def pressure_figure(path, wearer, map, time, title=""):
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import PolyCollection
-    from matplotlib.colors import Normalize
+    from matplotlib.colors import LogNorm
 
     from contact.patches import Patches
 
@@ -268,9 +269,8 @@ def pressure_figure(path, wearer, map, time, title=""):
     touched = touched[np.argsort(map.mean[touched])]
     area = np.cumsum(map.areas[touched])
     top = map.mean[touched[np.searchsorted(area, 0.99 * area[-1])]] if len(touched) else 1.0
-    unit, scale = ("kPa", 1e-3) if top >= 1e3 else ("Pa", 1.0)
-    colours = ScalarMappable(Normalize(0.0, scale * top), "YlOrRd")
-    faces = colours.to_rgba(scale * pressures)
+    colours = ScalarMappable(LogNorm(1e-3 * top, top, clip=True), "YlOrRd")
+    faces = colours.to_rgba(np.maximum(pressures, 1e-3 * top))
     faces[pressures <= 0] = (0.84, 0.85, 0.86, 1.0)
     figure, panels = new_figure(1, (9, 8), title, columns=2)
     front = np.degrees(np.arctan2(*_facing(wearer, time)[1::-1]))
@@ -289,10 +289,10 @@ def pressure_figure(path, wearer, map, time, title=""):
         axes.set_aspect("equal")
         axes.set_axis_off()
         axes.set_title(label, fontsize=10)
-    bar = figure.colorbar(colours, ax=panels, shrink=0.6, extend="max")
+    bar = figure.colorbar(colours, ax=panels, shrink=0.6, extend="both")
     bar.set_label(
-        f"mean pressure [{unit}] over {map.seconds:.3g} s; most on a patch of "
-        f"{100 * map.size:.3g} cm: {scale * map.mean.max():.3g} {unit}"
+        f"mean pressure [Pa] over {map.seconds:.3g} s; most on a patch of "
+        f"{100 * map.size:.3g} cm: {map.mean.max():.4g} Pa"
     )
     save_figure(figure, Path(path))
 

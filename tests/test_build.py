@@ -335,7 +335,7 @@ def test_checked_scene(tmp_path, capsys):
         "trousers over an obstacle",
         f"{len(surface.cells)} cells",
         f"{5 * len(surface.points)} dofs",
-        "stride 1.3/min",
+        "stride 1.320 m",
         "belt of 20 N",
         "right_shank",
         "minutes on 1 rank",

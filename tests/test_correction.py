@@ -629,12 +629,12 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed():
 # ---------------------------------------------------------------- bookkeeping
 
 
-@pytest.mark.parametrize("pinch_angle", [180.0, 105.0])
-def test_closing_bodies_squeeze_a_node_out_or_pinch_it(pinch_angle):
+@pytest.mark.parametrize("give", [np.inf, 5.0])
+def test_closing_bodies_squeeze_a_node_out_or_close_over_it(give):
     """A node on a sphere at rest, another sphere comes over it: the crease goes outward.
 
     Rigid bodies take the node along in the crease, which gets it as far as the spheres' circle of
-    intersection; with a pinch angle it stays in its place on the first, below the second.
+    intersection; bodies that give close over it: it stays where it is and is not pushed.
     """
     x = np.array([[0.0, 0.0, 0.1 + 1e-9]])
     start, end = np.array([0.02, 0.0, 0.26]), np.array([0.02, 0.0, 0.14])
@@ -644,7 +644,7 @@ def test_closing_bodies_squeeze_a_node_out_or_pinch_it(pinch_angle):
             Segment("calf", [0.1] * 3, Steady(start, velocity=end - start)),
         ]
     )
-    correction = Correction(body, 1, friction=0.1, pinch_angle=pinch_angle)
+    correction = Correction(body, 1, friction=0.1, give=give)
     v, dt, pinched, pushed = np.zeros((1, 3)), 1e-3, 0, 0.0
     for step in range(1000):
         v[:] = [0.0, 0.0, -1e-3]  # held lightly on the first
@@ -652,16 +652,26 @@ def test_closing_bodies_squeeze_a_node_out_or_pinch_it(pinch_angle):
         x += dt * v
         pinched += correction.pinched
         pushed = max(pushed, np.linalg.norm(correction.last.impulse))
-    assert np.linalg.norm(x) == pytest.approx(0.1, abs=1e-6)
-    if pinch_angle == 180.0:
-        assert clearance(body, 1.0, x).min() > -1e-6
-        assert np.linalg.norm(x - [0, 0, 0.1]) > 0.05
+    away = np.linalg.norm(x - [0, 0, 0.1])
+    if give == np.inf:
+        assert np.linalg.norm(x) == pytest.approx(0.1, abs=1e-6)
+        assert clearance(body, 1.0, x).min() > -1e-6 and away > 0.05
     else:
-        assert pinched > 100
-        assert np.linalg.norm(x - [0, 0, 0.1]) < 0.01
-        assert correction.pinch_depth > 0.04 and pushed < 0.2
-    with pytest.raises(ValueError, match="90 to 180 degrees"):
-        Correction(body, 1, pinch_angle=10.0)
+        assert pinched > 100 and away < 0.01
+        assert clearance(body, 1.0, x)[1, 0] < -0.03 and pushed < 0.2
+        # apart again, the first sphere holds it as before
+        apart = Body(
+            [Segment("thigh", [0.1] * 3, Fixed()), Segment("calf", [0.1] * 3, Fixed(start))]
+        )
+        after = Correction(apart, 1, friction=0.1, give=give)
+        after.restore(correction.state())
+        for step in range(100):
+            v[:] = [0.0, 0.0, -1e-3]
+            after(x, v, np.ones(1), dt, step * dt)
+            x += dt * v
+        assert not after.pinched and np.linalg.norm(x) == pytest.approx(0.1, abs=1e-6)
+    with pytest.raises(ValueError, match="positive, not 0"):
+        Correction(body, 1, give=0.0)
 
 
 def test_a_node_meets_only_segments_it_can_touch():
