@@ -30,8 +30,8 @@ EVERY = 2**62 - 1  # all segments
 @njit(cache=True, error_model="numpy")
 def _correct(
     x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
-    planes, room, forced, samples, weights, segment, sample_segment, swallowed, sample_swallowed,
-    impulse, book, window, window_book, counts,
+    planes, room, forced, samples, weights, segment, sample_segment, impulse, book, window,
+    window_book, counts,
 ):  # fmt: skip
     """One step of contact for all nodes, then for all samples; node + 1 if not finite; depths."""
     set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
@@ -50,13 +50,13 @@ def _correct(
             continue
         reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
         if not in_reach(x[i], reach, travel, allowed[i]):
-            segment[i], swallowed[i] = -1, 0
+            segment[i] = -1
             continue
         for c in range(3):
             kick[c] = v[i, c] - old[i, c]
-        segment[i], depth, pinch, swallowed[i] = meet_body(
-            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], swallowed[i], travel,
-            planes, room, book, counts, change,
+        segment[i], depth, pinch = meet_body(
+            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], travel, planes, room,
+            book, counts, change,
         )  # fmt: skip
         deepest, pinched = max(deepest, depth), max(pinched, pinch)
         if segment[i] >= 0:
@@ -81,9 +81,9 @@ def _correct(
                         kick[c] += w * (v[i, c] - booked - old[i, c])
             if inverse == 0.0:
                 continue
-            segment_s, depth, pinch, sample_swallowed[cell, s] = meet_body(
-                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], both,
-                sample_swallowed[cell, s], travel, planes, room, book, counts, change,
+            segment_s, depth, pinch = meet_body(
+                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], both, travel, planes,
+                room, book, counts, change,
             )  # fmt: skip
             sample_segment[cell, s] = segment_s
             deepest, pinched = max(deepest, depth), max(pinched, pinch)
@@ -113,8 +113,8 @@ class Correction:
     fixed : (n,) bool or None, nodes of prescribed motion: left alone
     recovery : float, greatest speed at which a point that starts a step inside is moved out [m/s]
     allowed : (n,) int or None, segments each node can touch, see `Body.mask`; None: all
-    give : float, push of two segments together, over the mass, from which on they close over a
-        point between them instead of squeezing it out [m/s^2], see pinch.py
+    give : float, pressure of soft segments on the areal mass of the cloth [m/s^2], to which pushes
+        of two together are limited, see pinch.py; infinite: hard ones
     samples : None or (cells (k, 4) int, weights (s, 4) float)
         Further points sum_a weights[a] x[cells[a]] in every cell, met once after the nodes; their
         impulses go to the nodes by the weights. Cells of owned nodes only.
@@ -125,7 +125,6 @@ class Correction:
     window : Ledger of all steps since the last `reset`
     segment : (n,) int, segment touched in the last step, where two hold the node the one that
         pushes more; -1 without contact
-    swallowed : (n,) int, segments that have closed over a pinched node, see `Body.mask`
     evaluated : closest points computed in the last step
     active, sticking : points in contact in the last step, of these in stick
     pinched : points to which several segments left no room in the last step
@@ -143,7 +142,7 @@ class Correction:
         if not recovery > 0:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
         if not give > 0:
-            raise ValueError(f"the acceleration from which bodies give is positive, not {give}")
+            raise ValueError(f"the acceleration at which bodies give is positive, not {give}")
         self.fixed = np.zeros(nodes, bool) if fixed is None else np.array(fixed, bool)
         if self.fixed.shape != (nodes,):
             raise ValueError(f"fixed has shape {self.fixed.shape}, not ({nodes},)")
@@ -164,9 +163,7 @@ class Correction:
         m = len(body.radii)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
         self.segment = np.full(nodes, -1, np.int64)
-        self.swallowed = np.zeros(nodes, np.int64)
         self._sample_segment = np.full((len(self._cells), len(self._weights)), -1, np.int64)
-        self._sample_swallowed = np.zeros_like(self._sample_segment)
         self.max_depth, self.pinch_depth, self._counts = 0.0, 0.0, np.zeros(COUNTS, np.int64)
         self._radii = np.ascontiguousarray(body.radii, float)
         self._scratch = np.zeros(m, TRAVEL), np.zeros(m, PLANE), np.zeros((8, 3))
@@ -204,8 +201,8 @@ class Correction:
             x, v, v if v_old is None else v_old, mass, self.fixed, self.allowed, dt, self._law,
             self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
             *self._scratch, v_old is not None, self._cells, self._weights, self.segment,
-            self._sample_segment, self.swallowed, self._sample_swallowed, last.impulse, last.table,
-            window.impulse, window.table, self._counts,
+            self._sample_segment, last.impulse, last.table, window.impulse, window.table,
+            self._counts,
         )  # fmt: skip
         if bad:
             i = bad - 1
@@ -261,16 +258,9 @@ class Correction:
 
     def state(self):
         """What the next step needs to know of this one, for `restore` (copies)."""
-        return {
-            "segment": self.segment.copy(),
-            "swallowed": self.swallowed.copy(),
-            "sample_segment": self._sample_segment.copy(),
-            "sample_swallowed": self._sample_swallowed.copy(),
-        }
+        return {"segment": self.segment.copy(), "sample_segment": self._sample_segment.copy()}
 
     def restore(self, state):
         """Continue from `state()`."""
         self.segment[:] = state["segment"]
-        self.swallowed[:] = state["swallowed"]
         self._sample_segment[:] = state["sample_segment"]
-        self._sample_swallowed[:] = state["sample_swallowed"]

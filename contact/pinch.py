@@ -1,81 +1,49 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Cloth between two parts of the body that close over it, as calf and thigh do at a bent knee.
+"""Cloth in a crease between two parts of the body, which are soft.
 
-Rigid ellipsoids would squeeze the cloth out of the crease between them with any force, and tear it:
-the crease moves on as they overlap more. Flesh gives way and keeps the cloth. So a point that two
-segments push together with more than a given pressure slips in between: as long as they close over
-it, neither pushes it, since what flesh does to cloth from both sides is equal and opposite, and
-what it does to the other flesh is the wearer's own. The point goes where the cloth takes it. When
-one of them is LINGER away, or both have left it, it is met as any other.
+Rigid ellipsoids that close over cloth, as calf and thigh do at a bent knee, squeeze it out of the
+crease between them with any force, and tear it: the crease moves on as they overlap more. Flesh
+gives way and keeps the cloth. So two parts push a point together with at most a pressure p on both
+sides of it: with normals at an angle theta, pushes of p A each along both would give the resultant
+2 p A cos(theta/2); it is limited to p A (1 + cos(theta)), the part of that along the way out, as
+what is left of the two pressures is flesh on flesh, the wearer's own. A point that needs more goes
+into the crease; bodies that part bring it out again.
 
-Ellipsoids on one and the same rigid segment (`mates`) do not close over anything.
+Ellipsoids on one and the same rigid segment (`mates`) make a hard crease, as one body does.
 """
 
 import numpy as np
 from numba import njit
 
-from contact.ellipsoid import foot_and_normal
-from contact.travel import turned_by
 
-LINGER = 0.01  # a point this near a segment is still between it and another [m]
+@njit(cache=True, error_model="numpy")
+def apart(planes, count, travel):
+    """Least cosine between the normals of two planes that belong to different segments; else 1."""
+    least = 1.0
+    for k in range(count):
+        for j in range(k):
+            if (travel[planes[k].owner].mates >> planes[j].owner) & 1:
+                continue
+            p, q = planes[k].normal, planes[j].normal
+            least = min(least, p[0] * q[0] + p[1] * q[1] + p[2] * q[2])
+    return least
 
 
 @njit(cache=True, error_model="numpy")
-def depth_in(x, body, offset):
-    """Depth [m] of x (3,) below the offset surface of an ellipsoid at t."""
-    q0, q1, q2 = x[0] - body.centre[0], x[1] - body.centre[1], x[2] - body.centre[2]
-    y0, y1, y2 = turned_by(body.axes, q0, q1, q2)
-    return offset - foot_and_normal(y0, y1, y2, body.radii[0], body.radii[1], body.radii[2])[0]
+def yielded(planes, count, travel, limit):
+    """Part of the pushes that soft bodies transmit.
 
-
-@njit(cache=True, error_model="numpy")
-def still_between(x, closed, travel, offset):
-    """Which of the segments that have closed over a point still do.
-
-    They do as long as it is inside one and inside, or LINGER near, another. Returns their set and
-    the depth in the one it is less deep in [m].
+    planes : (m,) PLANE with pushes; limit : float [m], p A dt^2 over the mass
     """
-    kept, deepest = 0, 0.0
-    for b in range(len(travel)):
-        if not (closed >> b) & 1:
-            continue
-        depth = depth_in(x, travel[b], offset)
-        if depth <= 0.0:
-            continue
-        for a in range(len(travel)):
-            if a == b or not (closed >> a) & 1 or (travel[b].mates >> a) & 1:
-                continue
-            other = depth_in(x, travel[a], offset)
-            if other > -LINGER:
-                kept |= (1 << a) | (1 << b)
-                deepest = max(deepest, min(depth, other))
-    return kept, deepest
-
-
-@njit(cache=True, error_model="numpy")
-def closing(planes, count, travel):
-    """Set of the segments that push a point together with another that is no mate of theirs."""
-    closed = 0
+    cosine = apart(planes, count, travel)
+    if cosine == 1.0:
+        return 1.0
+    r0 = r1 = r2 = 0.0
     for k in range(count):
-        for j in range(k):
-            if planes[k].push <= 0.0 or planes[j].push <= 0.0:
-                continue
-            b, a = planes[k].owner, planes[j].owner
-            if not (travel[b].mates >> a) & 1:
-                closed |= (1 << a) | (1 << b)
-    return closed
-
-
-@njit(cache=True, error_model="numpy")
-def overlapping(planes, count, travel):
-    """Set of the segments that leave a point no room: all in reach, but mates."""
-    closed = 0
-    for k in range(count):
-        for j in range(k):
-            b, a = planes[k].owner, planes[j].owner
-            if not (travel[b].mates >> a) & 1:
-                closed |= (1 << a) | (1 << b)
-    return closed
+        push, n = planes[k].push, planes[k].normal
+        r0, r1, r2 = r0 + push * n[0], r1 + push * n[1], r2 + push * n[2]
+    needed, limit = np.sqrt(r0 * r0 + r1 * r1 + r2 * r2), limit * (1.0 + cosine)
+    return 1.0 if needed <= limit else limit / needed
 
 
 def mates_of(body):

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from contact.friction import transmitted
-from contact.pinch import closing, overlapping, still_between
+from contact.pinch import apart, yielded
 from contact.planes import find_planes, keep_one_exit
 from contact.wedge import EJECTION, PINCHED, nearest_step
 
@@ -80,7 +80,7 @@ def _rub(free, planes, count, first, pushing, slack, mu_s, mu_k, inertia, moved,
 
 @njit(cache=True, error_model="numpy")
 def meet_body(
-    x, v, kick, mass, dt, law, last, allowed, swallowed, travel, planes, room, book, counts, change
+    x, v, kick, mass, dt, law, last, allowed, travel, planes, room, book, counts, change
 ):  # fmt: skip
     """Contact of one point over one step.
 
@@ -89,18 +89,17 @@ def meet_body(
     x, v : (3,) float, position at t [m], velocity before contact [m/s]
     kick : (3,) float, change of velocity by the forces of this step [m/s]
     mass : float, effective mass [kg]
-    law : mu_s, mu_k, offset [m], recovery [m/s], give [m/s^2]: push from two segments, over the
-        mass, from which on they close over the point (pinch.py)
+    law : mu_s, mu_k, offset [m], recovery [m/s], give [m/s^2]: see pinch.py
     last : int, segment of the last step or -1
     allowed : int, segments that the point can touch, see travel.py
-    swallowed : int, those of them that have closed over it, see pinch.py
     room : (4, 3) float, scratch
     book : (m, 9) float, added to; counts : (4,) int, added to
     change : (3,) float, filled: change of velocity [m/s]
 
     Returns
     -------
-    segment (-1: no contact), depth at the start [m], depth in segments that swallow it [m], these
+    segment (-1: no contact), depth at the start [m], the same of a pinched point, whose first depth
+    is zero
     """
     mu_s, mu_k, offset, recovery, give = law
     free, step, moved, at = room[0], room[1], room[2], room[3]
@@ -109,11 +108,6 @@ def meet_body(
         at[c] = 0.0
     count, pushing, first, slack, depth, tau = 0, 0, -1, 0.0, 0.0, 0.0
     stick, pinch = False, 0.0
-    if swallowed != 0:
-        swallowed, pinch = still_between(x, swallowed, travel, offset)
-        if swallowed != 0:
-            counts[PINCHES] += 1
-            allowed &= ~swallowed
     while True:
         found, tau, evaluated = find_planes(
             x, at, tau, step, travel, allowed, offset, recovery * dt, count, planes
@@ -126,7 +120,7 @@ def meet_body(
             depth = max(depth, planes[k].depth)
             slack = max(slack, travel[planes[k].owner].slack)
             inside += planes[k].depth > recovery * dt
-        if inside > 1:
+        if inside > 1 and not (give < np.inf and apart(planes, found, travel) < 1.0):
             found = keep_one_exit(x, travel, offset, recovery * dt, last, found, planes)
         count, first = found, -1
         for k in range(count):
@@ -149,22 +143,19 @@ def meet_body(
         if inside > 1 or pushing == PINCHED:
             break
     if pushing == 0:
-        return -1, depth, pinch, swallowed
-    closed = 0
+        return -1, depth, pinch
     if pushing == PINCHED:
-        counts[PINCHES] += swallowed == 0
-        pinch, depth = max(pinch, depth), 0.0
-        if give < np.inf:
-            closed = overlapping(planes, count, travel)
-    elif pushing > 1 and last >= 0 and give < np.inf:
-        push = 0.0
-        for k in range(count):
-            push += planes[k].push
-        if push > give * dt * dt:
-            closed = closing(planes, count, travel)
-    if closed != 0:
-        counts[PINCHES] += swallowed == 0 and pushing != PINCHED
-        return -1, depth, pinch, swallowed | closed
+        counts[PINCHES] += 1
+        pinch, depth = depth, 0.0
+    if give < np.inf and (pushing > 1 or pushing == PINCHED):
+        part = yielded(planes, count, travel, give * dt * dt)
+        if part < 1.0:
+            counts[PINCHES] += pushing != PINCHED
+            pinch, depth = max(pinch, depth), 0.0
+            for k in range(count):
+                planes[k].push *= part
+                for c in range(3):
+                    planes[k].rub[c] *= part
 
     for c in range(3):
         change[c] = 0.0
@@ -193,10 +184,10 @@ def meet_body(
         book[b, FRICTION] += rubbed
         book[b, IMPACT] += pressed
     if segment < 0:  # pinched, and on the near side of the segment that holds it
-        return last, depth, pinch, swallowed
+        return last, depth, pinch
     counts[ACTIVE] += 1
     counts[STICKING] += stick
-    return segment, depth, pinch, swallowed
+    return segment, depth, pinch
 
 
 class Ledger:

@@ -88,8 +88,8 @@ def load(path, stepper, touch=None):
 def _contact(stepper, touch):
     """Segments touched, in the surface's numbering: by nodes, and by cells that have samples."""
     partition = stepper.shell.partition
-    contact = np.column_stack([touch.correction.segment, touch.correction.swallowed])
-    whole = {"segment": partition.gather(contact.astype(float), root=0)}
+    segment = touch.correction.segment[:, None].astype(float)
+    whole = {"segment": partition.gather(segment, root=0)}
     if touch.inner is not None:
         cells = partition.nodes[touch._cells]
         parts = stepper.shell.comm.gather((cells, _by_cell(touch)), 0)
@@ -102,8 +102,7 @@ def _contact(stepper, touch):
 def _take_contact(path, stepper, touch, state):
     """Set this rank's part of `_contact`."""
     partition = stepper.shell.partition
-    contact = state["segment"][partition.owned_nodes].astype(np.int64)
-    touch.correction.segment[:], touch.correction.swallowed[:] = contact.T
+    touch.correction.segment[:] = state["segment"][partition.owned_nodes, 0].astype(np.int64)
     if touch.inner is None:
         return
     kept, own = state.get("sample_segment"), _by_cell(touch)

@@ -36,8 +36,8 @@ class Touch:
     friction : float or (mu_s, mu_k)
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell
-    pinch_pressure : float [Pa] or None: above it two parts of the body close over the cloth between
-        them instead of squeezing it out (contact/pinch.py); None: they never do
+    pinch_pressure : float [Pa] or None: the most with which two parts of the body squeeze cloth out
+        of the crease between them (contact/pinch.py); None: any
 
     Attributes
     ----------

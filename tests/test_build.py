@@ -358,3 +358,18 @@ def test_bodies_and_meshes_need_no_finite_elements():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert done.stdout.strip() == "[]", done.stderr
+
+
+@pytest.mark.serial
+def test_what_is_not_asked_for_is_not_loaded(captures):
+    """A wearer from a TRC file needs no reader of C3D files, pictures or finite elements."""
+    code = (
+        "import sys\n"
+        "from shellform import build, scene\n"
+        "build.wearer_of(scene.Scene(motion=scene.Motion(file=sys.argv[1])))\n"
+        "names = 'ezc3d', 'matplotlib', 'dolfinx'\n"
+        "print([name for name in names if name in sys.modules])\n"
+    )
+    words = [sys.executable, "-c", code, str(captures / "good.trc")]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=300)
+    assert done.stdout.strip() == "[]", done.stderr

@@ -630,48 +630,45 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed():
 
 
 @pytest.mark.parametrize("give", [np.inf, 5.0])
-def test_closing_bodies_squeeze_a_node_out_or_close_over_it(give):
-    """A node on a sphere at rest, another sphere comes over it: the crease goes outward.
+def test_soft_bodies_push_with_no_more_than_they_have(give):
+    """A node between two spheres that close on it, pulled into the crease with 3 N.
 
-    Rigid bodies take the node along in the crease, which gets it as far as the spheres' circle of
-    intersection; bodies that give close over it: it stays where it is and is not pushed.
+    Hard ones take it out to their circle of intersection, whatever that takes; soft ones push with
+    give (1 + cos) of the angle between their normals at most, and let it go in when that is less.
     """
-    x = np.array([[0.0, 0.0, 0.1 + 1e-9]])
-    start, end = np.array([0.02, 0.0, 0.26]), np.array([0.02, 0.0, 0.14])
-    body = Body(
-        [
-            Segment("thigh", [0.1] * 3, Fixed()),
-            Segment("calf", [0.1] * 3, Steady(start, velocity=end - start)),
-        ]
-    )
-    correction = Correction(body, 1, friction=0.1, give=give)
-    v, dt, pinched, pushed = np.zeros((1, 3)), 1e-3, 0, 0.0
-    for step in range(1000):
-        v[:] = [0.0, 0.0, -1e-3]  # held lightly on the first
-        correction(x, v, np.ones(1), dt, step * dt)
-        x += dt * v
-        pinched += correction.pinched
-        pushed = max(pushed, np.linalg.norm(correction.last.impulse))
-    away = np.linalg.norm(x - [0, 0, 0.1])
-    if give == np.inf:
-        assert np.linalg.norm(x) == pytest.approx(0.1, abs=1e-6)
-        assert clearance(body, 1.0, x).min() > -1e-6 and away > 0.05
-    else:
-        assert pinched > 100 and away < 0.01
-        assert clearance(body, 1.0, x)[1, 0] < -0.03 and pushed < 0.2
-        # apart again, the first sphere holds it as before
-        apart = Body(
-            [Segment("thigh", [0.1] * 3, Fixed()), Segment("calf", [0.1] * 3, Fixed(start))]
+    body = spheres((-0.07, 0, 0), (0.07, 0, 0))
+    edge = np.sqrt(0.1**2 - 0.07**2)
+    x, dt = np.array([[0.0, 0.0, edge]]), 1e-3
+    cosine = 1 - 2 * 0.07**2 / 0.1**2  # between the normals at the crease
+    for pull in (3.0, 0.1):
+        correction = Correction(body, 1, give=give, recovery=1e-9)
+        at, v = x.copy(), np.zeros((1, 3))
+        for step in range(20):
+            before = v.copy()
+            v[:, 2] -= dt * pull
+            correction(at, v, np.ones(1), dt, step * dt, v_old=before)
+            at += dt * v
+        push = correction.window.impulse[0, 2] / correction.window.seconds
+        least = min(pull, give * (1 + cosine))
+        assert push == pytest.approx(least, rel=2e-2)
+        assert (correction.pinched > 0) == (least < pull)
+        np.testing.assert_allclose(
+            correction.window.segment_impulse[0, 0], -correction.window.segment_impulse[1, 0]
         )
-        after = Correction(apart, 1, friction=0.1, give=give)
-        after.restore(correction.state())
-        for step in range(100):
-            v[:] = [0.0, 0.0, -1e-3]
-            after(x, v, np.ones(1), dt, step * dt)
-            x += dt * v
-        assert not after.pinched and np.linalg.norm(x) == pytest.approx(0.1, abs=1e-6)
     with pytest.raises(ValueError, match="positive, not 0"):
         Correction(body, 1, give=0.0)
+
+
+def test_ellipsoids_of_one_segment_make_a_hard_crease():
+    """The same crease on one rigid part of a wearer pushes with what it takes."""
+    body = spheres((-0.07, 0, 0), (0.07, 0, 0))
+    body.carriers = ("pelvis", "pelvis")
+    correction = Correction(body, 1, give=0.01)
+    v, dt = np.array([[0.0, 0.0, -3e-3]]), 1e-3
+    x = np.array([[0.0, 0.0, np.sqrt(0.1**2 - 0.07**2)]])
+    correction(x, v, np.ones(1), dt, 0.0)
+    assert correction.last.impulse[0, 2] == pytest.approx(3e-3, rel=1e-6)
+    assert not correction.pinched
 
 
 def test_a_node_meets_only_segments_it_can_touch():

@@ -16,9 +16,9 @@ from test_build import turned
 
 from contact.gait import synthetic_walk
 from contact.recording import SIDES
-from shellform import build, dressed_state
+from shellform import belt, build, dressed_state
 from shellform.activity import Activity
-from shellform.dressing import drop_below
+from shellform.dressing import Dressing, drop_below
 from shellform.ledger import Ledger
 from shellform.scene import Garment, Motion, Scene
 
@@ -229,6 +229,21 @@ def test_worn_again_in_another_motion(monkeypatch):
     away = np.linalg.norm(now - state.positions, axis=1)
     print(f"worn again: mean {1e3 * away.mean():.3f} mm, largest {1e3 * away.max():.3f} mm off")
     assert away.mean() < 1e-3 and away.max() < 1e-2
+
+
+def test_no_belt_costs_nothing(monkeypatch):
+    """Without tension no cable is laid around the waist, on no rank."""
+
+    def fails(*_):
+        raise AssertionError("a belt was reckoned with")
+
+    monkeypatch.setattr(belt, "add_tension", fails)
+    activity = Activity(Scene(motion=SHORT, belt=0.0), COMM)
+    report = dressed_state.wear(activity, dressed("compliant").path, Dressing(settle=0.12))
+    assert report["belt_asked"] == 0.0 and report["belt_tension"] < 2.0
+    with pytest.raises(AssertionError, match="a belt"):
+        activity.belt.tension = 1.0
+        activity.stepper.step(activity.stepper.dt)
 
 
 def test_state_of_another_garment(tmp_path):
