@@ -8,8 +8,8 @@ contact forces give the torque about every joint, for compliant and for stiff tr
     mpirun -n 2 python demos/walk.py                  # one rank a fabric
     python demos/walk.py --motion walk.c3d --fabric stiff
 
-leaves walk.png, torque.png, pressure.png, walk.gif and summary.json in the folder, and a folder a fabric with
-torque.csv, ledger.csv, a series for ParaView, the dressed state and a checkpoint
+leaves walk.png, torque.png, pressure.png, walk.gif and summary.json in the folder, and a folder a
+fabric with torque.csv, ledger.csv, a series for ParaView, the dressed state and a checkpoint
 (`shellform resume`).
 """
 

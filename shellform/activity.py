@@ -10,15 +10,13 @@ import signal
 from itertools import pairwise
 from pathlib import Path
 
-from mpi4py import MPI
-
 import numpy as np
 
 from contact.recording import SIDES
 
 from . import build, checkpoint, command, dressed_state, torque
 from .belt import Belt
-from .dressing import dress
+from .dressing import Dressing, dress, settle
 from .ledger import Ledger
 from .newmark import Newmark
 from .results import Report, Series
@@ -48,23 +46,22 @@ class Activity:
         self.shell = Shell(self.surface, fabric, comm)
         if scene.gravity:
             self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
-        steps, contact = scene.steps, scene.contact
+        steps = scene.steps
         self.stepper = Newmark(
             self.shell, steps.time_step_factor, damping=steps.damping, drag=steps.drag
         )
         self.shell.energy()
+        self.touch = self._touch(self.stepper)
+
+    def _touch(self, stepper):
+        contact, owned = self.scene.contact, self.shell.partition.owned_nodes
         friction = contact.friction
         if contact.kinetic_friction is not None:
             friction = (friction, contact.kinetic_friction)
-        self.touch = Touch(
-            self.stepper,
-            self.wearer,
-            friction,
-            contact.offset,
-            pinch_pressure=contact.pinch_pressure,
-        )
-        owned = self.shell.partition.owned_nodes
-        self.touch.correction.allowed[:] = build.reach_of(self.surface, self.wearer)[owned]
+        soft = {"pinch_pressure": contact.pinch_pressure}
+        touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
+        touch.correction.allowed[:] = build.reach_of(self.surface, self.wearer)[owned]
+        return touch
 
     @property
     def weight(self):
@@ -73,8 +70,25 @@ class Activity:
 
     def dress(self, watch=None):
         """Put the garment on; returns the report of `dressing.dress`."""
-        self.belt, report = dress(self.stepper, self.touch, self.scene.belt, watch=watch)
-        return report
+        tension = self.scene.belt
+        if self.scene.steps.dressing == "shell":
+            self.belt, report = dress(self.stepper, self.touch, tension, watch=watch)
+            return report
+        from .particles import Particles, hand_over
+
+        steps = self.scene.steps
+        particles = Particles(self.shell, steps.time_step_factor, drag=steps.drag)
+        touch = self._touch(particles)
+        _, report = dress(particles, touch, tension, watch=watch)
+        hand_over(particles, self.stepper, touch, self.touch)
+        # the shell bends where springs do not: it settles once more
+        plan = Dressing()
+        self.belt = Belt(self.stepper, "waist", tension)
+        self.stepper.time = self.wearer.start - plan.settle
+        self.stepper.advance(self.stepper.time + 0.1)
+        again = settle(self.stepper, self.touch, self.belt, plan, lambda *_: None)
+        self.stepper.drag = steps.drag
+        return again | {"seconds": report["seconds"] + 0.1 + again["seconds"]}
 
 
 def run(scene, out, comm, dressed=None, watch=None):
@@ -93,12 +107,13 @@ def run(scene, out, comm, dressed=None, watch=None):
     """
     out = Path(out)
     report = Report(out, "walk", _settings(scene), comm)
-    if comm.rank == 0:
-        (out / "checkpoint.npz").unlink(missing_ok=True)
-        write_scene(scene, out / "scene.toml")
     with report.stage("setup"):
         activity = Activity(scene, comm)
         _describe(report, activity)
+    # only now, as a scene that does not stand must not cost the files of another run
+    if comm.rank == 0:
+        (out / "checkpoint.npz").unlink(missing_ok=True)
+        write_scene(scene, out / "scene.toml")
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
@@ -263,7 +278,7 @@ class Extremes:
 
     def saved(self):
         """Largest values over all ranks, for `resumed`."""
-        return {"extremes": self._comm.allreduce(self.values, MPI.MAX)}
+        return {"extremes": np.max(self._comm.allgather(self.values), axis=0)}
 
 
 class Interrupt:
@@ -326,8 +341,8 @@ def told(results):
     """Lines for a person: how it went and what the garment does to every joint."""
     fit = results["dressing"]
     lines = [
-        f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.1f} N of "
-        f"{fit['belt_asked']:.1f} N asked; dressed in {fit['seconds']:.1f} s, cloth "
+        f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.2f} N, "
+        f"{fit['belt_pressed']:.1f} N of it on the body; dressed in {fit['seconds']:.1f} s, cloth "
         f"stretched by {100 * fit['stretch']:.1f} %",
         f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body, "
         f"{1e3 * results['pinched_depth']:.1f} mm between segments that pinch, "

@@ -15,9 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.ellipsoid import closest_points
-
-from .belt import Belt, Hands
+from .belt import Belt, Hands, Ring
 
 GAP = 0.03  # between the waist edge and the legs above it, before [m]
 AWAY = 2  # cells from the waist that count as the belt's
@@ -142,9 +140,9 @@ def settle(stepper, touch, belt, plan, watch, every=0.05):
 def fit(stepper, touch, belt):
     """How the garment sits: depth in the body, stretch, what the belt does; on all ranks.
 
-    `belt_tension` is measured on the body: what goes around it with tension T presses with 2 pi T
-    in the normal direction, summed around. Summed are the nodes at the waist and AWAY cells below,
-    as cloth that is gathered takes a part of the cable's tension and gives it off there.
+    `belt_tension` is measured by what holds against it: a cable presses with its tension times the
+    angle by which it turns. On the nodes of the waist that is the outward force of the body,
+    which is `belt_pressed` by itself, and that of the cloth, which is gathered and resists.
     `stretch` is the largest elongation of a cell edge farther away from the waist.
     """
     shell, correction = stepper.shell, touch.correction
@@ -154,19 +152,25 @@ def fit(stepper, touch, belt):
     drag, stepper.drag = stepper.drag, 0.0
     stepper.advance(stepper.time + 200 * stepper.dt)
     stepper.drag = drag
-    own = near_waist(surface)[shell.partition.owned_nodes]
-    force = correction.window.impulse / correction.window.seconds
-    x, pose, body = stepper.points + stepper.owned[:, :3], correction.start_pose, correction.body
-    pressed = 0.0
-    for k in range(len(body.radii)):
-        here = own & (correction.segment == k)
-        _, normals, _ = closest_points(x[here], body.radii[k], pose.centres[k], pose.axes[k])
-        pressed += np.sum(force[here] * normals)
+    ring = Ring(stepper, "waist")
+    x = ring.look(stepper)
+    contact, cloth = np.zeros((2, *x.shape))
+    contact[ring.mine] = (correction.window.impulse / correction.window.seconds)[ring.own]
+    cloth[ring.mine] = -stepper.internal_force()[ring.own, :3]
+    along = np.roll(x, -1, axis=0) - x
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    turn = np.roll(along, 1, axis=0) - along
+    size = np.linalg.norm(turn, axis=1)
+    outward = turn / np.maximum(size, 1e-12)[:, None]
+    pressed, resisted = (
+        float(np.sum(comm.allreduce(force) * outward) / size.sum()) for force in (contact, cloth)
+    )
     return {
         "depth": max(comm.allgather(max(correction.max_depth, 0.0))),
         "stretch": float(elongation(shell.positions(), surface).max()),
         "belt_asked": belt.tension,
-        "belt_tension": float(comm.allreduce(pressed) / (2 * np.pi)),
+        "belt_tension": pressed + resisted,
+        "belt_pressed": pressed,
         "pinched": comm.allreduce(correction.pinched),
     }
 

@@ -101,12 +101,14 @@ def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None
     """
     from matplotlib.figure import Figure
 
-    rows = 3
-    figure = Figure(figsize=(15, 12), layout="constrained")
+    heights = (1, 0.9, 0.9)[-2 if not dressing else -3 :]
+    figure = Figure(figsize=(15, 4.3 * sum(heights)), layout="constrained")
     figure.suptitle(title, fontsize=13)
-    above, middle, below = figure.subfigures(rows, 1, height_ratios=(1, 0.9, 0.9))
-    above.suptitle("Dressing", fontsize=10)
-    panels = above.subplots(1, len(dressing), squeeze=False)[0]
+    *above, middle, below = figure.subfigures(len(heights), 1, height_ratios=heights)
+    panels = []
+    if dressing:
+        above[0].suptitle("Dressing", fontsize=10)
+        panels = above[0].subplots(1, len(dressing), squeeze=False)[0]
     for axes, (label, frame, without) in zip(panels, dressing, strict=True):
         corners = draw_clothed(axes, frame, wearer, (-50.0, 10.0), without=without)
         fit_view(axes, corners, (-50.0, 10.0))
