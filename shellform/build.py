@@ -186,15 +186,17 @@ def check_fit(surface, wearer):
                 f"{np.round(pose.centres[k, :2], 3).tolist()} m: give the garment or the stance "
                 "another width"
             )
-    places = [("hips", "pelvis", np.ones(len(surface.cells), bool))]
+    places, closed = [("hips", "pelvis", np.ones(len(surface.cells), bool))], np.inf
     if {"right_hem", "left_hem"} <= set(surface.edges):
         legs = meshes.regions(surface)
+        # below it a leg of the garment goes all around
+        closed = surface.points[legs["torso"], 2].min() - 3 * surface.mean_cell_size
         for side in SIDES:
             cells = np.isin(surface.cells, legs[f"{side}_leg"]).all(axis=1)
             places += [(f"{side} {part}", f"{side}_{part}", cells) for part in ("thigh", "shank")]
     for place, name, cells in places:
         k = wearer.index(name)
-        level = pose.centres[k, 2]
+        level = pose.centres[k, 2] if name == "pelvis" else min(pose.centres[k, 2], closed)
         body, cloth = body_girth(wearer, pose, [k], level), girth_at(surface, level, cells)
         if 0 < cloth * (1 + STRETCH) < body:
             raise ValueError(
