@@ -60,7 +60,8 @@ class Wearer:
 
     Raises
     ------
-    ValueError for a segment that the recording lacks, or points that span no plane
+    ValueError for a segment that the recording lacks, a name given twice, or points that span no
+    plane
     """
 
     def __init__(self, recording, ellipsoids, from_rest=True):
@@ -69,6 +70,9 @@ class Wearer:
         self.segments = self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
         self.radii = np.array([radii for *_, radii in ellipsoids], float)
         carriers = tuple(recording.points)
+        twice = sorted({name for name in self.names if self.names.count(name) > 1})
+        if twice:
+            raise ValueError(f"ellipsoids need different names, found twice: {', '.join(twice)}")
         for name, segment, *_ in ellipsoids:
             if segment not in carriers:
                 raise ValueError(

@@ -140,6 +140,13 @@ def test_missing_segment_is_named():
         )
 
 
+def test_names_are_given_once():
+    points = {"pelvis": np.array([standing()["pelvis"]] * 2)}
+    twice = [("belly", "pelvis", (0, 0, 0), (0.1, 0.1, 0.1))] * 2
+    with pytest.raises(ValueError, match="found twice: belly"):
+        Wearer(Recording(np.array([0.0, 1.0]), points), twice)
+
+
 def walking(times):
     """A made-up stride: the pelvis moves on and turns, the joints swing."""
     poses = []
