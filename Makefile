@@ -34,8 +34,8 @@ walk: setup ## trousers on a walker, torque about the joints; result in out/walk
 
 test: setup ## all tests on 1 rank, then on 2
 	@status=0; \
-	$(PYTEST) || status=1; \
-	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial" || status=1; \
+	$(PYTEST) -n 2 --dist loadfile || status=1; \
+	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow" || status=1; \
 	exit $$status
 
 lint: setup ## ruff: rules and layout

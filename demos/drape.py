@@ -160,7 +160,7 @@ def main(given=None):
     # ## Steps
     with report.stage("compile"):
         stepper, touch = stepper_of(options, shell, body)
-        stepper.shell.energy()
+        stepper.strain_energy()
     later = None
     if options.handover is not None:
         # particles first, on a sheet of their own

@@ -23,6 +23,7 @@ from .results import Report, Series
 from .scene import PARTS
 from .scene_file import read_scene, write_scene
 from .shell import Shell
+from .stepper import Unstable
 from .touch import Touch
 
 
@@ -50,7 +51,7 @@ class Activity:
         self.stepper = Newmark(
             self.shell, steps.time_step_factor, damping=steps.damping, drag=steps.drag
         )
-        self.shell.energy()
+        self.stepper.strain_energy()
         self.touch = self._touch(self.stepper)
 
     def _touch(self, stepper):
@@ -166,11 +167,23 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
         skin = pressure.Pressure(touch, stepper, scene.output.pressure, resumed)
     between = max(1, round(scene.output.checkpoint / scene.output.window))
     picture = max(1, round(1 / (scene.output.frames * scene.output.window)))
+
+    def keep(done):
+        parts = [joints.saved(), ledger.saved(), extremes.saved(), skin.saved() if skin else {}]
+        more = {"fit": json.dumps(fit), "done": done}
+        for part in parts:
+            more |= part
+        checkpoint.save(out / "checkpoint.npz", stepper, touch, more)
+
     with Interrupt(comm) as interrupt:
         bar = command.progress(times[done:], count - done, "walk")
         for k, time in enumerate(bar, start=done + 1):
             with report.stage("solve"):
-                stepper.advance(time)
+                try:
+                    stepper.advance(time)
+                except Unstable:
+                    keep(k - 1)  # the last good state, to which the steps have gone back
+                    raise
             with report.stage("output"):
                 joints.record(time)
                 if skin:
@@ -183,11 +196,7 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
                         watch("walk", activity)
                 asked = interrupt.asked()
                 if asked or k % between == 0 or k == count:
-                    more = joints.saved() | ledger.saved() | extremes.saved()
-                    more |= {"fit": json.dumps(fit), "done": k}
-                    if skin:
-                        more |= skin.saved()
-                    checkpoint.save(out / "checkpoint.npz", stepper, touch, more)
+                    keep(k)
             if asked and k < count:
                 raise command.Stopped(
                     f"stopped at t = {time:.3f} s of {wearer.end:.3f} s; go on with: "
