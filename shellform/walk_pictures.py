@@ -101,6 +101,7 @@ def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None
     """
     from matplotlib.figure import Figure
 
+    view = view_from_the_right(wearer)
     heights = (1, 0.9, 0.9)[-2 if not dressing else -3 :]
     figure = Figure(figsize=(15, 4.3 * sum(heights)), layout="constrained")
     figure.suptitle(title, fontsize=13)
@@ -110,20 +111,20 @@ def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None
         above[0].suptitle("Dressing", fontsize=10)
         panels = above[0].subplots(1, len(dressing), squeeze=False)[0]
     for axes, (label, frame, without) in zip(panels, dressing, strict=True):
-        corners = draw_clothed(axes, frame, wearer, (-50.0, 10.0), without=without)
-        fit_view(axes, corners, (-50.0, 10.0))
+        corners = draw_clothed(axes, frame, wearer, view, without=without)
+        fit_view(axes, corners, view)
         axes.set_title(label, fontsize=9)
     rate = wearer.recording.rate
     middle.suptitle("Key frames, with their numbers", fontsize=10)
     panels = middle.subplots(1, len(key_frames), squeeze=False)[0]
-    right, up, _ = view_axes(*VIEW)
+    right, up, _ = view_axes(*view)
     for axes, frame in zip(panels, key_frames, strict=True):
-        corners = draw_clothed(axes, frame, wearer)
+        corners = draw_clothed(axes, frame, wearer, view)
         centre = corners.mean(axis=0)
         if obstacle is not None:
             corner, size = obstacle
             if abs(corner[0] + 0.5 * size[0] - centre[0]) < 0.6:
-                draw_box(axes, corner, size)
+                draw_box(axes, corner, size, view)
         low = (corners @ up).min()
         axes.set_xlim(centre @ right - 0.48, centre @ right + 0.48)
         axes.set_ylim(low - 0.05, low + 1.4)
@@ -152,15 +153,15 @@ def walk_animation(path, wearer, frames, seconds, obstacle=None):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    images = []
-    right, up, _ = view_axes(*VIEW)
+    images, view = [], view_from_the_right(wearer)
+    right, up, _ = view_axes(*view)
     for frame in frames:
         figure = Figure(figsize=(4, 5), dpi=70)
         FigureCanvasAgg(figure)
         axes = figure.add_axes((0, 0, 1, 1))
-        corners = draw_clothed(axes, frame, wearer, parts=1)
+        corners = draw_clothed(axes, frame, wearer, view, parts=1)
         if obstacle is not None:
-            draw_box(axes, *obstacle)
+            draw_box(axes, *obstacle, view)
         centre = corners.mean(axis=0)
         axes.set_xlim(centre @ right - 0.6, centre @ right + 0.6)
         low = (corners @ up).min()
@@ -297,6 +298,12 @@ def pressure_figure(path, wearer, map, time, title=""):
         f"{100 * map.size:.3g} cm: {map.mean.max():.4g} Pa"
     )
     save_figure(figure, Path(path))
+
+
+def view_from_the_right(wearer):
+    """Azimuth and elevation [degrees] of a view from the wearer's right, somewhat in front."""
+    ahead = _facing(wearer, wearer.start)
+    return float(np.degrees(np.arctan2(ahead[1], ahead[0]))) + VIEW[0], VIEW[1]
 
 
 def _facing(wearer, time):
