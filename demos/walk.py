@@ -21,7 +21,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from shellform import activity, build, command
+from shellform import account, activity, build, command
 from shellform.results import Report
 from shellform.scene import Garment, Motion, Output, Scene, Steps
 from shellform.torque import rows_until
@@ -94,8 +94,8 @@ def main(given=None):
             draw(options, names, scenes[0])
         for name in names:
             print(f"\n{name} trousers")
-            print("\n".join(activity.told(results[name])))
-    summaries = [activity.summary_of(options.out / name) for name in names]
+            print("\n".join(account.told(results[name])))
+    summaries = [account.summary_of(options.out / name) for name in names]
     first = {key: summaries[0][key] for key in ("cells", "nodes", "dofs", "plan")}
     report.summary |= first
     report.write(
@@ -114,7 +114,7 @@ def draw(options, names, scene):
     first = options.out / names[0]
     rows = {name: rows_until(options.out / name / "torque.csv", np.inf) for name in names}
     title = f"Trousers of {names[0]} cloth; torque of the clothing on the wearer"
-    dressing = activity.dressing_frames(first)
+    dressing = account.dressing_frames(first)
     wearer = build.wearer_of(scene)
     walk_pictures.draw_all(options.out, wearer, dressing, first, rows, JOINT, title)
     skin = pressure.load(first / "pressure.npz")

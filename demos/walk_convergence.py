@@ -17,7 +17,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from shellform import activity, command
+from shellform import account, activity, command
 from shellform.results import Report, write_atomically
 from shellform.scene import Garment, Motion, Output, Scene, Steps
 from shellform.torque import rows_until
@@ -70,7 +70,7 @@ def main(given=None):
             )
             folder = options.out / f"cells_{1e3 * size:g}_step_{factor:g}"
             activity.run(scene, folder, MPI.COMM_SELF)
-            results[size, factor] = activity.summary_of(folder)
+            results[size, factor] = account.summary_of(folder)
     results = {run: part[run] for part in COMM.allgather(results) for run in part}
     if COMM.rank:
         return

@@ -97,7 +97,7 @@ def main(given=None):
         if comm.rank == 0:
             print("\n".join(lines))
         return
-    from . import activity
+    from . import account, activity
     from .scene_file import read_scene
 
     if options.do == "run":
@@ -108,8 +108,8 @@ def main(given=None):
         results = activity.resume(out, comm)
     if comm.rank == 0:
         if not options.no_pictures:
-            activity.draw(out)
-        print("\n".join(activity.told(results)))
+            account.draw(out)
+        print("\n".join(account.told(results)))
         print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
 
 

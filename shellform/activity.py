@@ -7,20 +7,17 @@ summary.json and a checkpoint; `resume` goes on from the checkpoint of a run tha
 
 import json
 import signal
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from contact.recording import SIDES
-
 from . import build, checkpoint, command, dressed_state, torque
+from .account import STAGES, describe, settings, summary
 from .belt import Belt
 from .dressing import Dressing, dress, settle
 from .ledger import Ledger
 from .newmark import Newmark
 from .results import Report, Series
-from .scene import PARTS
 from .scene_file import read_scene, write_scene
 from .shell import Shell
 from .stepper import Unstable
@@ -107,10 +104,10 @@ def run(scene, out, comm, dressed=None, watch=None):
     command.Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
     """
     out = Path(out)
-    report = Report(out, "walk", _settings(scene), comm)
+    report = Report(out, "walk", settings(scene), comm)
     with report.stage("setup"):
         activity = Activity(scene, comm)
-        _describe(report, activity)
+        describe(report, activity)
     # only now, as a scene that does not stand must not cost the files of another run
     if comm.rank == 0:
         (out / "checkpoint.npz").unlink(missing_ok=True)
@@ -134,10 +131,10 @@ def resume(out, comm, watch=None):
     if not state.is_file():
         raise ValueError(f"{out} holds no checkpoint.npz: nothing has been computed, use `run`")
     scene = read_scene(out / "scene.toml")
-    report = Report(out, "walk", _settings(scene), comm)
+    report = Report(out, "walk", settings(scene), comm)
     with report.stage("setup"):
         activity = Activity(scene, comm)
-        _describe(report, activity)
+        describe(report, activity)
     with np.load(state) as file:
         series = Series(out, until=float(file["clock"][0]))
     return _play(activity, report, series, out, watch, state=state)
@@ -226,9 +223,6 @@ def _frame(activity, series, force):
     series.write(shell, stepper.time, **fields)
 
 
-STAGES = {"below": "feet left out", "pull": "pulled up", "belted": "feet back, belt", "settled": ""}
-
-
 def _pictured(activity, out, watch):
     """Watcher of the dressing that writes a frame of each of its STAGES."""
     series, seen = Series(out, "dressing"), set()
@@ -242,20 +236,6 @@ def _pictured(activity, out, watch):
             series.write(activity.shell, stepper.time)
 
     return look
-
-
-def dressing_frames(out):
-    """(label, frame, ellipsoids left out) of the stages of dressing, from the files of a run."""
-    from .walk_pictures import read_frames
-
-    if not (Path(out) / "dressing.pvd").is_file():
-        return []
-    frames = read_frames(out, "dressing")
-    feet = [f"{side}_foot" for side in SIDES]
-    return [
-        (f"({letter}) {label or 'settled'}", frame, feet if k < 2 else [])
-        for k, (letter, label, frame) in enumerate(zip("abcd", STAGES.values(), frames))
-    ]
 
 
 class Extremes:
@@ -309,107 +289,3 @@ class Interrupt:
     def asked(self):
         """True on all ranks once a rank has been interrupted."""
         return bool(self.comm.allreduce(int(self.pressed)))
-
-
-def summary(activity, joints, ledger, extremes, fit):
-    """Results of a run for summary.json."""
-    scene, wearer = activity.scene, activity.wearer
-    facts, weight = wearer.recording.facts, activity.weight
-    strides = stride_times(facts, wearer.end)
-    residual = max(row["momentum_residual"] for row in ledger.rows)
-    depth, pinched, pinch_depth = extremes.saved()["extremes"]
-    return {
-        "joints": {j: torque.resistance(joints.rows, j, strides) for j in joints.joints},
-        "parts": joints.parts,
-        "window": scene.output.window,
-        "weight": weight,
-        "force_balance_error": residual / (weight * scene.output.window) if weight else residual,
-        "max_penetration": depth,
-        "pinched_most": int(pinched),
-        "pinched_depth": pinch_depth,
-        "dressing": fit,
-        "strides": strides,
-        "stride_length": facts.get("stride_length"),
-        "cadence": facts.get("cadence"),
-        "segment_lengths": wearer.recording.lengths(),
-        "notes": wearer.recording.notes,
-    }
-
-
-def stride_times(facts, end):
-    """(start, end) times [s] of the strides, from the heel strikes of one foot; [] without them."""
-    for side in SIDES:
-        strikes = sorted(t for name, t in facts.get("events", ()) if name == f"{side}_heel_strike")
-        strikes = [t for t in strikes if t <= end + 1e-9]
-        if len(strikes) > 1:
-            return list(pairwise(strikes))
-    return []
-
-
-def told(results):
-    """Lines for a person: how it went and what the garment does to every joint."""
-    fit = results["dressing"]
-    lines = [
-        f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.2f} N, "
-        f"{fit['belt_pressed']:.1f} N of it on the body; dressed in {fit['seconds']:.1f} s, cloth "
-        f"stretched by {100 * fit['stretch']:.1f} %",
-        f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body, "
-        f"{1e3 * results['pinched_depth']:.1f} mm between segments that pinch, "
-        f"{results['pinched_most']} nodes at most",
-        f"forces balance to {100 * results['force_balance_error']:.1e} % of the weight",
-    ]
-    if results["stride_length"]:
-        lines.append(
-            f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
-        )
-    lines.append(f"torque about the axis of flexion, means over {results['window']:g} s")
-    lines.append(
-        f"{'joint':>12} {'peak N m':>10} {'rms N m':>10} {'work J':>10} {'resisted J':>11}"
-    )
-    for joint, row in results["joints"].items():
-        numbers = f"{row['peak_torque']:10.3f} {row['rms_torque']:10.3f} {row['work']:10.3f}"
-        lines.append(f"{joint:>12} {numbers} {row['resistance']:11.3f}")
-    return lines
-
-
-def summary_of(out):
-    """Contents of summary.json in a folder."""
-    return json.loads((Path(out) / "summary.json").read_text())
-
-
-def draw(out):
-    """Pictures of a run from its files: walk.png, torque.png, walk.gif."""
-    from . import walk_pictures
-
-    out = Path(out)
-    scene = read_scene(out / "scene.toml")
-    wearer = build.wearer_of(scene)
-    rows = {scene.title: torque.rows_until(out / "torque.csv", np.inf)}
-    walk_pictures.draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
-    if (out / "pressure.npz").is_file():
-        from . import pressure
-
-        skin = pressure.load(out / "pressure.npz")
-        path = out / "pressure.png"
-        walk_pictures.pressure_figure(path, wearer, skin, wearer.start, scene.title)
-
-
-def _settings(scene):
-    """A scene as plain values for summary.json."""
-    settings = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
-    settings |= {name: dict(vars(getattr(scene, name))) for name in PARTS}
-    fabric = build.fabric(scene)
-    return settings | {"fabric": {"name": fabric.name, "summary": fabric.summary()}}
-
-
-def _describe(report, activity):
-    """Enter what is modelled into a report."""
-    report.describe(
-        activity.shell,
-        inertia="lumped",
-        contact=list(activity.wearer.names),
-        friction=list(activity.touch.correction.friction),
-        belt=activity.scene.belt,
-        joints=list(activity.wearer.joints),
-        time_step=activity.stepper.dt,
-    )

@@ -26,7 +26,7 @@ from test_dressing import dressed
 from test_parallel import launch, needs_mpirun
 
 from contact.gait import synthetic_walk
-from shellform import activity, build
+from shellform import account, activity, build
 from shellform.__main__ import main
 from shellform.director import rotation_matrix
 from shellform.scene import Motion, Output, Scene, Steps
@@ -165,7 +165,7 @@ def test_files_of_a_run(walked):
         power = np.array([row["power"] for row in mine])
         assert numbers["work"] == pytest.approx(power.sum() * 0.02, rel=1e-6, abs=1e-12)
         assert numbers["resistance"] >= max(0.0, -numbers["work"]) - 1e-12
-    lines = "\n".join(activity.told(results))
+    lines = "\n".join(account.told(results))
     assert "right_knee" in lines and "% of the weight" in lines
 
 
@@ -175,7 +175,7 @@ def test_pictures_when_asked(walked):
     """Of the files of a run alone; the run itself has drawn nothing."""
     out, _, _ = walked
     assert not list(out.glob("*.png")) + list(out.glob("*.gif"))
-    activity.draw(out)
+    account.draw(out)
     for name in ("walk.png", "torque.png"):
         assert (out / name).read_bytes()[:4] == b"\x89PNG"
     assert (out / "walk.gif").read_bytes()[:3] == b"GIF"
