@@ -30,73 +30,36 @@ EVERY = 2**62 - 1  # all segments
 @njit(cache=True, error_model="numpy")
 def _correct(
     x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
-    planes, room, forced, samples, weights, segment, sample_segment, impulse, book, window,
-    window_book, counts,
+    planes, room, segment, sunk, impulse, book, window, window_book, counts,
 ):  # fmt: skip
-    """One step of contact for all nodes, then for all samples; node + 1 if not finite; depths."""
+    """One step of contact for all points; number + 1 of one not finite; depths."""
     set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
     counts[:] = 0
     book[:] = 0.0
     deepest = pinched = 0.0
-    kick, change, p, u = room[4], room[5], room[6], room[7]
+    kick, change = room[4], room[5]
     for i in range(len(x)):
         total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
         if not np.isfinite(total):
             return i + 1, deepest, pinched
         for c in range(3):
             impulse[i, c] = 0.0
-        if fixed[i]:
-            segment[i] = -1
-            continue
         reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
-        if not in_reach(x[i], reach, travel, allowed[i]):
-            segment[i] = -1
+        if fixed[i] or not in_reach(x[i], reach, travel, allowed[i]):
+            segment[i], sunk[i] = -1, 0
             continue
         for c in range(3):
             kick[c] = v[i, c] - old[i, c]
-        segment[i], depth, pinch = meet_body(
-            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], travel, planes, room,
-            book, counts, change,
+        segment[i], sunk[i], depth, pinch = meet_body(
+            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], sunk[i], travel, planes,
+            room, book, counts, change,
         )  # fmt: skip
         deepest, pinched = max(deepest, depth), max(pinched, pinch)
         if segment[i] >= 0:
             for c in range(3):
                 v[i, c] += change[c]
                 impulse[i, c] = mass[i] * change[c]
-    for cell in range(len(samples)):
-        for s in range(len(weights)):
-            inverse, both = 0.0, EVERY
-            for c in range(3):
-                p[c] = u[c] = kick[c] = 0.0
-            for a in range(4):
-                i, w = samples[cell, a], weights[s, a]
-                both &= allowed[i]
-                if not fixed[i]:
-                    inverse += w * w / mass[i]
-                for c in range(3):
-                    p[c] += w * x[i, c]
-                    u[c] += w * v[i, c]
-                    if forced:
-                        booked = 0.0 if fixed[i] else impulse[i, c] / mass[i]
-                        kick[c] += w * (v[i, c] - booked - old[i, c])
-            if inverse == 0.0:
-                continue
-            segment_s, depth, pinch = meet_body(
-                p, u, kick, 1.0 / inverse, dt, law, sample_segment[cell, s], both, travel, planes,
-                room, book, counts, change,
-            )  # fmt: skip
-            sample_segment[cell, s] = segment_s
-            deepest, pinched = max(deepest, depth), max(pinched, pinch)
-            if segment_s >= 0:
-                for a in range(4):
-                    i, w = samples[cell, a], weights[s, a]
-                    for c in range(3):
-                        impulse[i, c] += w * change[c] / inverse
-                        if not fixed[i]:
-                            v[i, c] += w * change[c] / inverse / mass[i]
-    for i in range(len(x)):
-        for c in range(3):
-            window[i, c] += impulse[i, c]
+                window[i, c] += impulse[i, c]
     window_book += book
     return 0, deepest, pinched
 
@@ -113,11 +76,8 @@ class Correction:
     fixed : (n,) bool or None, nodes of prescribed motion: left alone
     recovery : float, greatest speed at which a point that starts a step inside is moved out [m/s]
     allowed : (n,) int or None, segments each node can touch, see `Body.mask`; None: all
-    give : float, pressure of soft segments on the areal mass of the cloth [m/s^2], to which pushes
-        of two together are limited, see pinch.py; infinite: hard ones
-    samples : None or (cells (k, 4) int, weights (s, 4) float)
-        Further points sum_a weights[a] x[cells[a]] in every cell, met once after the nodes; their
-        impulses go to the nodes by the weights. Cells of owned nodes only.
+    flesh : float, stiffness of the segments where they press cloth against each other, over the
+        areal mass of the cloth [1/s^2], see pinch.py; infinite: hard ones
 
     Attributes
     ----------
@@ -125,24 +85,25 @@ class Correction:
     window : Ledger of all steps since the last `reset`
     segment : (n,) int, segment touched in the last step, where two hold the node the one that
         pushes more; -1 without contact
+    sunk : (n,) int, set of the soft segments that each node lies in
     evaluated : closest points computed in the last step
     active, sticking : points in contact in the last step, of these in stick
-    pinched : points to which several segments left no room in the last step
+    pinched : points in soft segments, or to which hard ones left no room, in the last step
     max_depth : float, deepest start of the last step below the offset surface [m]
     pinch_depth : float, the same of pinched points, which are not counted there [m]
     """
 
     def __init__(
-        self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, samples=None,
-        allowed=None, give=np.inf,
+        self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, allowed=None,
+        flesh=np.inf,
     ):  # fmt: skip
         mu_s, mu_k = coefficients(friction)
         if not (np.isfinite(offset) and offset >= 0):
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
         if not recovery > 0:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
-        if not give > 0:
-            raise ValueError(f"the acceleration at which bodies give is positive, not {give}")
+        if not flesh > 0:
+            raise ValueError(f"the stiffness of soft segments is positive, not {flesh}")
         self.fixed = np.zeros(nodes, bool) if fixed is None else np.array(fixed, bool)
         if self.fixed.shape != (nodes,):
             raise ValueError(f"fixed has shape {self.fixed.shape}, not ({nodes},)")
@@ -151,22 +112,15 @@ class Correction:
             raise ValueError(f"allowed has shape {self.allowed.shape}, not ({nodes},)")
         if len(body.radii) > 62:
             raise ValueError(f"a body has at most 62 segments, not {len(body.radii)}")
-        cells, weights = (np.zeros((0, 4)), np.zeros((0, 4))) if samples is None else samples
-        self._cells = np.ascontiguousarray(cells, np.int64)
-        self._weights = np.ascontiguousarray(weights, float)
-        if self._cells.shape[1:] != (4,) or self._weights.shape[1:] != (4,):
-            raise ValueError("samples are cells of four nodes and rows of four weights")
-        if self._cells.size and not 0 <= self._cells.min() <= self._cells.max() < nodes:
-            raise ValueError(f"sample cells name nodes outside 0 to {nodes - 1}")
         self.body = body
-        self._law = (mu_s, mu_k, float(offset), float(recovery), float(give))
+        self._law = (mu_s, mu_k, float(offset), float(recovery), float(flesh))
         m = len(body.radii)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
         self.segment = np.full(nodes, -1, np.int64)
-        self._sample_segment = np.full((len(self._cells), len(self._weights)), -1, np.int64)
+        self.sunk = np.zeros(nodes, np.int64)
         self.max_depth, self.pinch_depth, self._counts = 0.0, 0.0, np.zeros(COUNTS, np.int64)
         self._radii = np.ascontiguousarray(body.radii, float)
-        self._scratch = np.zeros(m, TRAVEL), np.zeros(m, PLANE), np.zeros((8, 3))
+        self._scratch = np.zeros(m, TRAVEL), np.zeros(2 * m, PLANE), np.zeros((6, 3))
         self._scratch[0]["mates"] = mates_of(body)
         self._start, self._end = body.new_pose(), body.new_pose()
         self._start_time = self._end_time = None
@@ -200,9 +154,8 @@ class Correction:
         bad, self.max_depth, self.pinch_depth = _correct(
             x, v, v if v_old is None else v_old, mass, self.fixed, self.allowed, dt, self._law,
             self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
-            *self._scratch, v_old is not None, self._cells, self._weights, self.segment,
-            self._sample_segment, last.impulse, last.table, window.impulse, window.table,
-            self._counts,
+            *self._scratch, self.segment, self.sunk, last.impulse, last.table, window.impulse,
+            window.table, self._counts,
         )  # fmt: skip
         if bad:
             i = bad - 1
@@ -258,9 +211,9 @@ class Correction:
 
     def state(self):
         """What the next step needs to know of this one, for `restore` (copies)."""
-        return {"segment": self.segment.copy(), "sample_segment": self._sample_segment.copy()}
+        return {"segment": self.segment.copy(), "sunk": self.sunk.copy()}
 
     def restore(self, state):
         """Continue from `state()`."""
         self.segment[:] = state["segment"]
-        self._sample_segment[:] = state["sample_segment"]
+        self.sunk[:] = state["sunk"]

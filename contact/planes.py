@@ -66,7 +66,7 @@ def _entry(y0, y1, y2, p0, p1, p2, r0, r1, r2, offset):
 
 
 @njit(cache=True, error_model="numpy")
-def _set_plane(plane, owner, body, n0, n1, n2, height, depth, u0, u1, u2):
+def set_plane(plane, owner, body, n0, n1, n2, height, depth, u0, u1, u2):
     """Fill one record from a normal in the body's axes and the height above the start."""
     axes = body.end_axes
     plane.owner, plane.depth, plane.push = owner, depth, 0.0
@@ -156,7 +156,7 @@ def find_planes(x, at, tau, step, travel, allowed, offset, recover, count, plane
                 distance, _, _, _, n0, n1, n2 = foot_and_normal(x0, x1, x2, r0, r1, r2)
                 evaluated += 1
                 height = min(offset - distance, 0.0)
-        _set_plane(planes[count], b, body, n0, n1, n2, height, -gap, u0, u1, u2)
+        set_plane(planes[count], b, body, n0, n1, n2, height, -gap, u0, u1, u2)
         count += not long
     if count == known and soonest <= 1.0:
         for k in range(3):

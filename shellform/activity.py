@@ -56,7 +56,7 @@ class Activity:
         friction = contact.friction
         if contact.kinetic_friction is not None:
             friction = (friction, contact.kinetic_friction)
-        soft = {"pinch_pressure": contact.pinch_pressure}
+        soft = {"flesh_stiffness": contact.flesh_stiffness}
         touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
         touch.correction.allowed[:] = build.reach_of(self.surface, self.wearer)[owned]
         return touch

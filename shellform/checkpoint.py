@@ -86,10 +86,14 @@ def load(path, stepper, touch=None):
 
 
 def _contact(stepper, touch):
-    """Segments touched, in the surface's numbering: by nodes, and by cells that have samples."""
+    """Segments touched and sunk into, by nodes and by cells that have samples.
+
+    In the surface's numbering: (n, 2) and (cells, samples a cell, 2) int.
+    """
     partition = stepper.shell.partition
-    segment = touch.correction.segment[:, None].astype(float)
-    whole = {"segment": partition.gather(segment, root=0)}
+    # whole numbers travel as the floats of the same bits: sets of segments may need all 64
+    nodes = partition.gather(_of(touch.correction).view(float), root=0)
+    whole = {"segment": None if nodes is None else nodes.view(np.int64)}
     if touch.inner is not None:
         cells = partition.nodes[touch._cells]
         parts = stepper.shell.comm.gather((cells, _by_cell(touch)), 0)
@@ -102,7 +106,7 @@ def _contact(stepper, touch):
 def _take_contact(path, stepper, touch, state):
     """Set this rank's part of `_contact`."""
     partition = stepper.shell.partition
-    touch.correction.segment[:] = state["segment"][partition.owned_nodes, 0].astype(np.int64)
+    _set(touch.correction, state["segment"][partition.owned_nodes])
     if touch.inner is None:
         return
     kept, own = state.get("sample_segment"), _by_cell(touch)
@@ -113,9 +117,18 @@ def _take_contact(path, stepper, touch, state):
         )
     rows = {tuple(sorted(cell)): row for row, cell in enumerate(state["sample_cells"].tolist())}
     cells = partition.nodes[touch._cells].tolist()
-    own[:] = kept[[rows[tuple(sorted(cell))] for cell in cells]]
+    _set(touch.inner, kept[[rows[tuple(sorted(cell))] for cell in cells]].reshape(-1, 2))
+
+
+def _of(correction):
+    """Segments touched and sunk into (n, 2)."""
+    return np.stack([correction.segment, correction.sunk], axis=1)
+
+
+def _set(correction, both):
+    correction.segment[:], correction.sunk[:] = both.T
 
 
 def _by_cell(touch):
-    """Segments touched by the samples, (cells, samples a cell): a view."""
-    return touch.inner.segment.reshape(len(touch._cells), -1)
+    """`_of` the samples, (cells, samples a cell, 2)."""
+    return _of(touch.inner).reshape(len(touch._cells), -1, 2)

@@ -80,14 +80,14 @@ class Contact:
     """How cloth meets the body.
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
-    thickness; pinch_pressure : the most with which two parts of the body, as calf and thigh, push
-    cloth out of the crease between them [Pa], 0 for hard parts; see contact/pinch.py.
+    thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see contact/pinch.py.
     """
 
     friction: float = 0.3
     kinetic_friction: float | None = None
     offset: float | None = _unit(None, "m")
-    pinch_pressure: float = _unit(1000.0, "Pa")
+    flesh_stiffness: float = _unit(2e5, "Pa/m")
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ RANGES = {
     "garment.cell_size": (0.004, 0.1, "a length in m, as 0.025"),
     "contact.friction": (0, 2, "0.3 is usual for cloth on cloth"),
     "contact.kinetic_friction": (0, 2, "not above the static friction"),
-    "contact.pinch_pressure": (0, 1e6, "1000 Pa; 0 for hard parts"),
+    "contact.flesh_stiffness": (0, 1e7, "2e5 Pa/m is soft flesh; 0 for hard parts"),
     "contact.offset": (0, 0.02, "half the thickness of the cloth, in m"),
     "steps.time_step_factor": (0.01, 1, "a part of the largest stable step"),
     "steps.damping": (0, 1e-2, "1e-5 s is much; it shortens the step"),

@@ -36,8 +36,8 @@ class Touch:
     friction : float or (mu_s, mu_k)
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell
-    pinch_pressure : float [Pa] or None: the most with which two parts of the body squeeze cloth out
-        of the crease between them (contact/pinch.py); None: any
+    flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
+        each other (contact/pinch.py); None: hard
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Touch:
     """
 
     def __init__(
-        self, stepper, body, friction=0.3, offset=None, samples="nodes", pinch_pressure=None
+        self, stepper, body, friction=0.3, offset=None, samples="nodes", flesh_stiffness=None
     ):
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
@@ -59,7 +59,7 @@ class Touch:
         fixed = self._held.all(axis=1)
         self._guided = np.flatnonzero(self._held.any(axis=1) & ~fixed)
         areal = stepper.shell.fabric.areal_mass
-        self._pinch = {"give": pinch_pressure / areal} if pinch_pressure else {}
+        self._pinch = {"flesh": flesh_stiffness / areal} if flesh_stiffness else {}
         self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._pinch)
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from contact.body import Body, Fixed, Segment, Steady, turned
 from contact.correction import Correction
@@ -131,20 +132,25 @@ def test_kernel_does_what_its_slow_twin_does(speed, offset):
 # ---------------------------------------------------------------- balances
 
 
+@pytest.mark.parametrize("flesh", [np.inf, 1e4])
 @pytest.mark.parametrize("with_old", [False, True])
-def test_momentum_moments_and_energy_close(with_old):
-    """All that changes in the cloth is in the book, whatever the body does."""
+def test_momentum_moments_and_energy_close(with_old, flesh):
+    """All that changes in the cloth is in the book, whatever the body does, hard or soft."""
     rng = np.random.default_rng(1)
     body, dt, t = limbs(rng), 2e-3, 0.1
     x = outside(body, t, rng, 400, 3e-3)
     mass = rng.uniform(1e-4, 1e-2, len(x))
-    correction = Correction(body, len(x), (0.5, 0.3))
+    correction = Correction(body, len(x), (0.5, 0.3), flesh=flesh)
+    if flesh < np.inf:  # half of the nodes lie in all that is around them
+        x[::2] += 0.2 * (body.pose(t, body.new_pose()).centres.mean(axis=0) - x[::2])
+        correction.sunk[::2] = 15
     old = 2 * rng.standard_normal(x.shape)
     free = old + 0.1 * rng.standard_normal(x.shape) if with_old else old
     v = free.copy()
     correction(x, v, mass, dt, t, old if with_old else None)
     book, impulse = correction.last, correction.last.impulse
-    assert correction.active > 100 and len(set(correction.segment)) == 5
+    assert correction.active > 50 and len(set(correction.segment)) == 5
+    assert (correction.pinched > 20) == (flesh < np.inf)
     change = mass[:, None] * (v - free)
     scale = np.abs(change).sum()
     assert np.abs(impulse - change).max() < 1e-15 * scale
@@ -629,46 +635,119 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed():
 # ---------------------------------------------------------------- bookkeeping
 
 
-@pytest.mark.parametrize("give", [np.inf, 5.0])
-def test_soft_bodies_push_with_no_more_than_they_have(give):
-    """A node between two spheres that close on it, pulled into the crease with 3 N.
+FLESH = 1e5  # stiffness over areal mass [1/s^2]
 
-    Hard ones take it out to their circle of intersection, whatever that takes; soft ones push with
-    give (1 + cos) of the angle between their normals at most, and let it go in when that is less.
-    """
-    body = spheres((-0.07, 0, 0), (0.07, 0, 0))
-    edge = np.sqrt(0.1**2 - 0.07**2)
-    x, dt = np.array([[0.0, 0.0, edge]]), 1e-3
-    cosine = 1 - 2 * 0.07**2 / 0.1**2  # between the normals at the crease
-    for pull in (3.0, 0.1):
-        correction = Correction(body, 1, give=give, recovery=1e-9)
-        at, v = x.copy(), np.zeros((1, 3))
-        for step in range(20):
-            before = v.copy()
-            v[:, 2] -= dt * pull
-            correction(at, v, np.ones(1), dt, step * dt, v_old=before)
-            at += dt * v
-        push = correction.window.impulse[0, 2] / correction.window.seconds
-        least = min(pull, give * (1 + cosine))
-        assert push == pytest.approx(least, rel=2e-2)
-        assert (correction.pinched > 0) == (least < pull)
-        np.testing.assert_allclose(
-            correction.window.segment_impulse[0, 0], -correction.window.segment_impulse[1, 0]
+
+def pull_in(correction, x, mass, dt, steps, pull):
+    """Positions and velocities of nodes (n, 3) after steps under an acceleration (3,)."""
+    v = np.zeros_like(x)
+    for step in range(steps):
+        before = v.copy()
+        v += dt * np.asarray(pull)
+        correction(x, v, mass, dt, step * dt, v_old=before)
+        x += dt * v
+    return v
+
+
+def test_soft_bodies_let_cloth_into_the_crease_until_they_balance_its_pull():
+    """Between two spheres, normals obtuse: 2 k d cos = pull; hard ones hold at their crease."""
+    body, half, dt, pull = spheres((-0.08, 0, 0), (0.08, 0, 0)), 0.08, 1e-3, 200.0
+    edge = np.sqrt(0.1**2 - half**2)
+
+    def surplus(z):
+        arm = np.hypot(half, z)
+        return 2 * FLESH * (0.1 - arm) * z / arm - pull
+
+    expected = {np.inf: edge, FLESH: brentq(surplus, 0.7 * edge, edge, xtol=1e-15)}
+    for flesh, height in expected.items():
+        correction = Correction(body, 1, flesh=flesh, recovery=1e-9)
+        x = np.array([[0.0, 0.0, edge + 1e-3]])
+        v = pull_in(correction, x, np.ones(1), dt, 3000, (0, 0, -pull))
+        assert x[0] == pytest.approx([0, 0, height], abs=1e-9) and np.abs(v).max() < 1e-9
+        assert correction.last.segment_impulse[:, 2] == pytest.approx([pull * dt / 2] * 2)
+        assert correction.pinched == (flesh < np.inf)
+        assert correction.pinch_depth == pytest.approx(
+            0.1 - np.hypot(half, height) if flesh < np.inf else 0.0, abs=1e-9
         )
     with pytest.raises(ValueError, match="positive, not 0"):
-        Correction(body, 1, give=0.0)
+        Correction(body, 1, flesh=0.0)
+
+
+def closing(gap, seconds):
+    """Two spheres of 0.1 m whose skins go from `gap` apart to as much overlap and back."""
+
+    def motion(sign):
+        def pose(t):
+            a = 2 * np.pi / seconds
+            on = 0.0 <= t <= seconds
+            away = 0.1 + 0.5 * gap * (np.cos(a * t) if on else 1.0)
+            speed = -0.5 * gap * a * np.sin(a * t) if on else 0.0
+            return sign * np.array([away, 0, 0]), np.eye(3), sign * np.array([speed, 0, 0]), NONE
+
+        return pose
+
+    return Body([Segment("left", [0.1] * 3, motion(-1)), Segment("right", [0.1] * 3, motion(1))])
+
+
+NONE = np.zeros(3)
+
+
+def test_flesh_that_closes_over_cloth_takes_it_to_the_middle_and_gives_the_work_back():
+    """Skins overlap by 20 mm and part again: the cloth stays, is let go, and no work is left."""
+    body, dt, seconds = closing(0.02, 1.0), 2e-4, 1.0
+    correction = Correction(body, 1, flesh=FLESH)
+    x, v, mass = np.array([[0.004, 0.0, 0.0]]), np.zeros((1, 3)), np.array([1e-3])
+    deepest = 0.0
+    for step in range(int(1.2 * seconds / dt)):
+        before = v.copy()
+        correction(x, v, mass, dt, step * dt, v_old=before)
+        x += dt * v
+        deepest = max(deepest, correction.pinch_depth)
+        if abs(step * dt - 0.5 * seconds) < dt / 2:
+            # as deep in one as in the other
+            assert abs(clearance(body, step * dt, x)[:, 0] + 0.01).max() < 5e-4
+            assert correction.pinched == 1 and correction.max_depth == 0.0
+            # flesh on flesh is not the cloth's: k d of 1 N/kg is left out of what is booked
+            push = np.abs(correction.last.segment_impulse[:, 0]).max()
+            assert push < 0.05 * mass[0] * FLESH * 0.01 * dt
+    assert 0.009 < deepest < 0.012 and not correction.pinched
+    assert clearance(body, 1.2 * seconds, x).min() > 0.0
+    book = correction.window
+    stored = book.impact_loss.sum()
+    work = book.work.sum() - book.friction_loss.sum() - stored
+    assert work == pytest.approx(energy(mass, v), abs=1e-12)
+    assert abs(stored) < 0.01 * mass[0] * FLESH * deepest**2 and np.linalg.norm(v) < 0.05
+
+
+@pytest.mark.parametrize("part", [0.9, 1.2])
+def test_flesh_holds_cloth_by_the_friction_of_both_sides(part):
+    """Between two spheres that overlap by 10 mm friction holds 2 mu k d, and no more."""
+    body, mu, depth = spheres((-0.095, 0, 0), (0.095, 0, 0)), 0.3, 0.005
+    correction = Correction(body, 1, mu, flesh=FLESH)
+    correction.sunk[:] = body.mask(["s0", "s1"])
+    x, v = np.zeros((1, 3)), np.zeros((1, 3))
+    dt, pull, steps = 1e-4, part * 2 * mu * FLESH * depth, 20
+    for step in range(steps):
+        before = v.copy()
+        v[0, 1] += dt * pull
+        correction(x, v, np.ones(1), dt, step * dt, v_old=before)
+        x += dt * v
+    slipped = max(0.0, part - 1) / part * pull * steps * (steps + 1) * dt**2 / 2
+    # along y the way leads out of the lens: both sides push by y / R besides, 2 % here
+    assert x[0, 1] == pytest.approx(slipped, rel=0.03, abs=1e-12)
 
 
 def test_ellipsoids_of_one_segment_make_a_hard_crease():
-    """The same crease on one rigid part of a wearer pushes with what it takes."""
-    body = spheres((-0.07, 0, 0), (0.07, 0, 0))
-    body.carriers = ("pelvis", "pelvis")
-    correction = Correction(body, 1, give=0.01)
-    v, dt = np.array([[0.0, 0.0, -3e-3]]), 1e-3
-    x = np.array([[0.0, 0.0, np.sqrt(0.1**2 - 0.07**2)]])
-    correction(x, v, np.ones(1), dt, 0.0)
-    assert correction.last.impulse[0, 2] == pytest.approx(3e-3, rel=1e-6)
-    assert not correction.pinched
+    """On one rigid part of a wearer, or where normals are acute, it pushes with what it takes."""
+    for half, carriers in ((0.08, ("pelvis", "pelvis")), (0.06, ("thigh", "shank"))):
+        body = spheres((-half, 0, 0), (half, 0, 0))
+        body.carriers = carriers
+        correction = Correction(body, 1, flesh=1.0)
+        v, dt = np.array([[0.0, 0.0, -3e-3]]), 1e-3
+        x = np.array([[0.0, 0.0, np.sqrt(0.1**2 - half**2)]])
+        correction(x, v, np.ones(1), dt, 0.0)
+        assert correction.last.impulse[0, 2] == pytest.approx(3e-3, rel=1e-6)
+        assert not correction.pinched
 
 
 def test_a_node_meets_only_segments_it_can_touch():
@@ -684,20 +763,6 @@ def test_a_node_meets_only_segments_it_can_touch():
     np.testing.assert_allclose(correction.last.segment_impulse[:, 2], [1, 1], rtol=1e-12)
     with pytest.raises(ValueError, match="no segment 's7'"):
         body.mask(["s7"])
-
-
-def test_a_sample_touches_what_all_its_nodes_can():
-    """The cell's middle hits the sphere; one node that cannot touch it lets the cell pass."""
-    body = spheres((0, 0, 0))
-    x = np.array([[-1.0, -1, 0.1], [1, -1, 0.1], [1, 1, 0.1], [-1, 1, 0.1]])
-    for able, active in ((4, 1), (3, 0)):
-        allowed = [1] * able + [0] * (4 - able)
-        middle = ([[0, 1, 2, 3]], np.full((1, 4), 0.25))
-        correction = Correction(body, 4, allowed=allowed, samples=middle)
-        v = np.tile([0.0, 0.0, -1.0], (4, 1))
-        correction(x, v, np.ones(4), 1e-3, 0.0)
-        assert correction.active == active
-        assert (np.abs(v[:, 2]) < 1e-12).all() == bool(active)
 
 
 def test_nothing_in_reach_nothing_evaluated():
@@ -751,9 +816,6 @@ def test_wrong_settings_are_refused():
     ):
         with pytest.raises(ValueError, match=message):
             Correction(body, 3, **settings)
-    for samples in (([[0, 1, 2]], [[1, 0, 0]]), ([[0, 1, 2, 3]], [[0.25] * 4])):
-        with pytest.raises(ValueError, match="sample"):
-            Correction(body, 3, samples=samples)
     with pytest.raises(ValueError, match=r"v has shape \(2, 3\), not \(3, 3\)"):
         Correction(body, 3)(np.zeros((3, 3)), np.zeros((2, 3)), np.ones(3), 1e-3, 0.0)
 
@@ -778,59 +840,3 @@ def test_restart_continues_bit_for_bit():
     run(again, kept[1], kept[2], 40, 40)
     assert np.array_equal(x, kept[1]) and np.array_equal(v, kept[2])
     assert np.array_equal(whole.segment, again.segment)
-
-
-# ---------------------------------------------------------------- points inside cells
-
-
-def test_samples_hold_a_cell_between_its_nodes():
-    """A stiffly moving square on a small sphere touches it with its middle only."""
-    cells, weights = np.array([[0, 1, 2, 3]]), np.full((1, 4), 0.25)
-    x = np.array([[-0.1, -0.1, 0.101], [0.1, -0.1, 0.101], [-0.1, 0.1, 0.101], [0.1, 0.1, 0.101]])
-    mass, dt = np.full(4, 0.05), 1e-3
-    v = np.zeros_like(x)
-    body = spheres((0, 0, 0))
-    correction = Correction(body, 4, 0.3, samples=(cells, weights))
-    for step in range(500):
-        if step == 100:
-            correction.reset()
-        old = v.copy()
-        v[:, 2] -= G * dt
-        free = v.copy()
-        correction(x, v, mass, dt, step * dt, old)
-        change = np.sum(mass[:, None] * (v - free), axis=0)
-        assert np.abs(correction.last.segment_impulse[0] - change).max() < 1e-15
-        assert np.abs(correction.last.impulse.sum(axis=0) - change).max() < 1e-15
-        x += dt * v
-    force = correction.window.segment_impulse[0] / correction.window.seconds
-    assert force == pytest.approx([0, 0, mass.sum() * G], rel=1e-9, abs=1e-12)
-    assert x[:, 2] == pytest.approx(np.full(4, 0.1), abs=1e-9) and (correction.segment == -1).all()
-
-
-@pytest.mark.parametrize("with_old", [False, True])
-def test_samples_close_all_balances(with_old):
-    rng = np.random.default_rng(8)
-    body, dt, t = limbs(rng), 2e-3, 0.1
-    near = outside(body, t, rng, 60, 2e-3)
-    x = (near[:, None] + 4e-3 * rng.standard_normal((60, 4, 3))).reshape(-1, 3)
-    cells = np.arange(240).reshape(60, 4)
-    weights = np.array([[0.25] * 4, [0.5, 0.5, 0, 0], [0.1, 0.2, 0.3, 0.4]])
-    mass, fixed = rng.uniform(1e-3, 1e-2, 240), rng.uniform(size=240) < 0.1
-    old = rng.standard_normal(x.shape)
-    free = old + 0.1 * rng.standard_normal(x.shape) if with_old else old
-    v = free.copy()
-    correction = Correction(body, 240, 0.4, fixed=fixed, samples=(cells, weights))
-    correction(x, v, mass, dt, t, old if with_old else None)
-    assert correction.active > (correction.segment >= 0).sum() > 20
-    change = np.where(fixed[:, None], 0, mass[:, None] * (v - free))
-    impulse, book = correction.last.impulse, correction.last
-    scale = np.abs(impulse).sum()
-    assert np.abs(np.where(fixed[:, None], 0, impulse) - change).max() < 1e-15 * scale
-    assert np.abs(book.segment_impulse.sum(axis=0) - impulse.sum(axis=0)).max() < 1e-14 * scale
-    moment = book.segment_moment + np.cross(
-        body.pose(t, body.new_pose()).centres, book.segment_impulse
-    )
-    assert np.abs(moment.sum(axis=0) - np.cross(x, impulse).sum(axis=0)).max() < 1e-14 * scale
-    work = np.sum(impulse * (old + v)) / 2
-    booked = book.work.sum() - book.friction_loss.sum() - book.impact_loss.sum()
-    assert booked == pytest.approx(work, rel=1e-11)

@@ -36,7 +36,7 @@ OTHER = Scene(
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
         measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
     ),
-    contact=Contact(friction=0.6, kinetic_friction=0.4, offset=1e-3, pinch_pressure=3e3),
+    contact=Contact(friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5),
     steps=Steps(
         accuracy="2.5%", time_step_factor=0.5, damping=1e-6, drag=1.0, dressing="particles"
     ),
