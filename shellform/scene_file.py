@@ -48,6 +48,8 @@ def read_scene(path):
     ValueError : unknown key or value out of range, naming file and mend; FileNotFoundError
     """
     path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file; `shellform new {path}` writes a scene")
     with open(path, "rb") as file:
         try:
             data = tomllib.load(file)
