@@ -10,14 +10,38 @@ Nodes of a cell run in tensor order (0,0), (1,0), (0,1), (1,1). Segments: 0 = 01
 1; 2 = 02, 3 = 13 along axis 2; diagonals 4 = 21, 5 = 03.
 """
 
-import numba
 import numpy as np
 
 from .element import GAUSS2
+from .quad_pieces import (
+    add,
+    add_to,
+    bent,
+    compiled,
+    corner,
+    corner_loss,
+    diagonals,
+    dot,
+    half_length_squared,
+    length_rate,
+    line_rate,
+    mix,
+    moments,
+    plus,
+    point_loss,
+    row,
+    segment,
+    shear_rate,
+    sub,
+    turning,
+    twist_rate,
+    twisted,
+)  # fmt: skip
 
 FIRST = np.array([0, 2, 0, 1, 2, 0])
 SECOND = np.array([1, 3, 2, 3, 1, 3])
 LINE = np.array([p for p, _ in GAUSS2])
+NEAR, FAR = 1.0 - GAUSS2[0][0], GAUSS2[0][0]
 
 
 def baked(points, directors, cells, warp, fabric):
@@ -77,58 +101,35 @@ def _voigt(M):
     return np.moveaxis(np.array(rows), -1, 0)
 
 
-compiled = numba.njit(
-    # not finite stays not finite: no assumption that NaN or infinity do not occur
-    cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"}
-)  # fmt: skip
-
-
-@compiled
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@compiled
-def _half_length_squared(dx, dd):
-    b = _dot(dx, dd)
-    return 0.5 * _dot(dx, dx) + b * b * (1.0 + 2.0 / 15.0 * _dot(dd, dd)) / 24.0
-
-
-@compiled
-def _turning(dx, dd):
-    c = _dot(dd, dd)
-    return _dot(dx, dd) * (1.0 + c / 12.0 + c * c / 90.0)
-
-
-@compiled
-def _turning_rate(b, c, rate_b, rate_c):
-    """Rate of b (1 + c/12 + c^2/90)."""
-    return rate_b * (1.0 + c / 12.0 + c * c / 90.0) + b * (1.0 / 12.0 + c / 45.0) * rate_c
-
-
 @compiled
 def _strains_at_rest(X, D, rest):
-    g, h = np.empty((4, 3)), np.empty((4, 3))
     for m in range(X.shape[0]):
         for s in range(6):
             i, j = FIRST[s], SECOND[s]
-            dx, dd = X[m, j] - X[m, i], D[m, j] - D[m, i]
-            rest[m, s] = _half_length_squared(dx, dd)
+            dx, dd = sub(row(X[m], j, 0), row(X[m], i, 0)), sub(row(D[m], j, 0), row(D[m], i, 0))
+            rest[m, s] = half_length_squared(dx, dot(dx, dd), dot(dd, dd))
             if s < 4:
-                rest[m, 6 + s] = 0.5 * _dot(dx, D[m, i] + D[m, j])
-        for k in range(2):
-            p = LINE[k]
-            for c in range(3):
-                g[k, c] = (1 - p) * (X[m, 1, c] - X[m, 0, c]) + p * (X[m, 3, c] - X[m, 2, c])
-                h[k, c] = (1 - p) * (D[m, 1, c] - D[m, 0, c]) + p * (D[m, 3, c] - D[m, 2, c])
-                g[2 + k, c] = (1 - p) * (X[m, 2, c] - X[m, 0, c]) + p * (X[m, 3, c] - X[m, 1, c])
-                h[2 + k, c] = (1 - p) * (D[m, 2, c] - D[m, 0, c]) + p * (D[m, 3, c] - D[m, 1, c])
+                rest[m, 6 + s] = 0.5 * dot(dx, add(row(D[m], i, 0), row(D[m], j, 0)))
         for k in range(4):
-            rest[m, 10 + k] = _turning(g[k], h[k])
-            i, j = k % 2, k // 2
-            plus = _turning(g[j] + g[2 + i], h[j] + h[2 + i])
-            minus = _turning(g[j] - g[2 + i], h[j] - h[2 + i])
-            rest[m, 14 + k] = 0.25 * (plus - minus)
+            g, h = _line(X[m], k), _line(D[m], k)
+            rest[m, 10 + k] = turning(dot(g, h), dot(h, h))
+            one, two = k // 2, 2 + k % 2
+            g, h = _line(X[m], one), _line(D[m], one)
+            G, H = _line(X[m], two), _line(D[m], two)
+            pb, mb, pc, mc = diagonals(
+                g, h, dot(g, h), dot(h, h), G, H, dot(G, H), dot(H, H)
+            )  # fmt: skip
+            rest[m, 14 + k] = 0.25 * (turning(pb, pc) - turning(mb, mc))
+
+
+@compiled
+def _line(X, k):
+    """Derivative along line k of a cell: 0, 1 along axis 1, 2, 3 along axis 2."""
+    one, two = (1, 2) if k < 2 else (2, 1)
+    far = FAR if k % 2 == 0 else NEAR
+    first = sub(row(X, one, 0), row(X, 0, 0))
+    second = sub(row(X, 3, 0), row(X, two, 0))
+    return mix(1.0 - far, first, far, second)
 
 
 @compiled
@@ -150,199 +151,132 @@ def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
     Twice what the rates would store as strains [J]: over tau, the power of damping; 0 undamped
     """
     loss = 0.0
-    speed, slide, flex = np.zeros(6), np.zeros(4), np.zeros(4)
-    x, d = np.empty((4, 3)), np.empty((4, 3))
-    dx, dd, dm = np.empty((6, 3)), np.empty((6, 3)), np.empty((4, 3))
-    b, c, strain, pull = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
-    gamma, tau = np.empty(4), np.empty(4)
-    g, h = np.empty((4, 3)), np.empty((4, 3))
-    fg, fh = np.empty((4, 3)), np.empty((4, 3))
-    gb, gc, axis, moment = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
-    fx, fd = np.empty((4, 3)), np.empty((4, 3))
-    p, q = np.empty(3), np.empty(3)
-    way, turn = np.zeros((4, 3)), np.zeros((4, 3))
-    vx, vd = np.zeros((6, 3)), np.zeros((6, 3))
-    vg, vh = np.zeros((4, 3)), np.zeros((4, 3))
-    vb, vc = np.zeros(4), np.zeros(4)
     for m in range(cells.shape[0]):
-        for i in range(4):
-            node = cells[m, i]
-            for k in range(3):
-                x[i, k] = points[node, k] + w[node, k]
-                d[i, k] = w[node, 3 + k]
-        for s in range(6):
-            i, j = FIRST[s], SECOND[s]
-            for k in range(3):
-                dx[s, k] = x[j, k] - x[i, k]
-                dd[s, k] = d[j, k] - d[i, k]
-            b[s], c[s] = _dot(dx[s], dd[s]), _dot(dd[s], dd[s])
-            arc = b[s] * b[s] * (1.0 + 2.0 / 15.0 * c[s]) / 24.0
-            strain[s] = 0.5 * _dot(dx[s], dx[s]) + arc - rest[m, s]
-            pull[s] = 0.0
+        i0, i1, i2, i3 = cells[m, 0], cells[m, 1], cells[m, 2], cells[m, 3]
+        C, at_rest = stiffness[m], rest[m]
+        x0, x1 = add(row(points, i0, 0), row(w, i0, 0)), add(row(points, i1, 0), row(w, i1, 0))
+        x2, x3 = add(row(points, i2, 0), row(w, i2, 0)), add(row(points, i3, 0), row(w, i3, 0))
+        d0, d1, d2, d3 = row(w, i0, 3), row(w, i1, 3), row(w, i2, 3), row(w, i3, 3)
+        X0, X1, X2, X3 = sub(x1, x0), sub(x3, x2), sub(x2, x0), sub(x3, x1)
+        D0, D1, D2, D3 = sub(d1, d0), sub(d3, d2), sub(d2, d0), sub(d3, d1)
+        X4, X5, D4, D5 = sub(x1, x2), sub(x3, x0), sub(d1, d2), sub(d3, d0)
+
+        # stretch of the segments, shear of the sides
+        b0, b1, b2, b3 = dot(X0, D0), dot(X1, D1), dot(X2, D2), dot(X3, D3)
+        c0, c1, c2, c3 = dot(D0, D0), dot(D1, D1), dot(D2, D2), dot(D3, D3)
+        b4, b5, c4, c5 = dot(X4, D4), dot(X5, D5), dot(D4, D4), dot(D5, D5)
+        s0 = half_length_squared(X0, b0, c0) - at_rest[0]
+        s1 = half_length_squared(X1, b1, c1) - at_rest[1]
+        s2 = half_length_squared(X2, b2, c2) - at_rest[2]
+        s3 = half_length_squared(X3, b3, c3) - at_rest[3]
+        s4 = half_length_squared(X4, b4, c4) - at_rest[4]
+        s5 = half_length_squared(X5, b5, c5) - at_rest[5]
+        m0, m1 = mix(0.5, d0, 0.5, d1), mix(0.5, d2, 0.5, d3)
+        m2, m3 = mix(0.5, d0, 0.5, d2), mix(0.5, d1, 0.5, d3)
+        y0, y1 = dot(X0, m0) - at_rest[6], dot(X1, m1) - at_rest[7]
+        y2, y3 = dot(X2, m2) - at_rest[8], dot(X3, m3) - at_rest[9]
+
+        # curvature on two lines along each axis, twist where they cross
+        g0, h0 = mix(NEAR, X0, FAR, X1), mix(NEAR, D0, FAR, D1)
+        g1, h1 = mix(FAR, X0, NEAR, X1), mix(FAR, D0, NEAR, D1)
+        g2, h2 = mix(NEAR, X2, FAR, X3), mix(NEAR, D2, FAR, D3)
+        g3, h3 = mix(FAR, X2, NEAR, X3), mix(FAR, D2, NEAR, D3)
+        e0, e1, e2, e3 = dot(g0, h0), dot(g1, h1), dot(g2, h2), dot(g3, h3)
+        f0, f1, f2, f3 = dot(h0, h0), dot(h1, h1), dot(h2, h2), dot(h3, h3)
+        k0, k1 = turning(e0, f0) - at_rest[10], turning(e1, f1) - at_rest[11]
+        k2, k3 = turning(e2, f2) - at_rest[12], turning(e3, f3) - at_rest[13]
+        pb0, mb0, pc0, mc0 = diagonals(g0, h0, e0, f0, g2, h2, e2, f2)
+        pb1, mb1, pc1, mc1 = diagonals(g0, h0, e0, f0, g3, h3, e3, f3)
+        pb2, mb2, pc2, mc2 = diagonals(g1, h1, e1, f1, g2, h2, e2, f2)
+        pb3, mb3, pc3, mc3 = diagonals(g1, h1, e1, f1, g3, h3, e3, f3)
+        t0 = 0.25 * (turning(pb0, pc0) - turning(mb0, mc0)) - at_rest[14]
+        t1 = 0.25 * (turning(pb1, pc1) - turning(mb1, mc1)) - at_rest[15]
+        t2 = 0.25 * (turning(pb2, pc2) - turning(mb2, mc2)) - at_rest[16]
+        t3 = 0.25 * (turning(pb3, pc3) - turning(mb3, mc3)) - at_rest[17]
+
         if damped:
-            for i in range(4):
-                node = cells[m, i]
-                for k in range(3):
-                    way[i, k] = ahead[node, k] - w[node, k]
-                    turn[i, k] = ahead[node, 3 + k] - w[node, 3 + k]
-            for s in range(6):
-                i, j = FIRST[s], SECOND[s]
-                for k in range(3):
-                    vx[s, k] = way[j, k] - way[i, k]
-                    vd[s, k] = turn[j, k] - turn[i, k]
-                change = _dot(vx[s], dd[s]) + _dot(dx[s], vd[s])
-                bend = b[s] * _dot(dd[s], vd[s]) * (2.0 / 15.0)
-                speed[s] = _dot(dx[s], vx[s])
-                speed[s] += b[s] * (change * (1.0 + 2.0 / 15.0 * c[s]) + bend) / 12.0
-                strain[s] += speed[s]
-        for s in range(4):
-            i, j = FIRST[s], SECOND[s]
-            for k in range(3):
-                dm[s, k] = 0.5 * (d[i, k] + d[j, k])
-            gamma[s] = _dot(dx[s], dm[s]) - rest[m, 6 + s]
-            if damped:
-                slide[s] = _dot(vx[s], dm[s])
-                slide[s] += 0.5 * (_dot(dx[s], turn[i]) + _dot(dx[s], turn[j]))
-                gamma[s] += slide[s]
-            tau[s] = 0.0
-        # corners: membrane and shear
-        for k in range(4):
-            one, two = k // 2, 2 + k % 2
-            diagonal, sign = (4, 0.5) if k == 0 or k == 3 else (5, -0.5)
-            e1, e2 = strain[one], strain[two]
-            e3 = sign * (e1 + e2 - strain[diagonal])
-            C = stiffness[m, k]
-            n1 = C[0] * e1 + C[1] * e2 + C[2] * e3
-            n2 = C[1] * e1 + C[3] * e2 + C[4] * e3
-            n3 = sign * (C[2] * e1 + C[4] * e2 + C[5] * e3)
-            pull[one] += n1 + n3
-            pull[two] += n2 + n3
-            pull[diagonal] -= n3
-            tau[one] += C[6] * gamma[one] + C[7] * gamma[two]
-            tau[two] += C[7] * gamma[one] + C[8] * gamma[two]
-            if damped:
-                e1, e2 = speed[one], speed[two]
-                e3 = sign * (e1 + e2 - speed[diagonal])
-                loss += C[0] * e1 * e1 + C[3] * e2 * e2 + C[5] * e3 * e3
-                loss += 2.0 * (C[1] * e1 * e2 + C[2] * e1 * e3 + C[4] * e2 * e3)
-                e1, e2 = slide[one], slide[two]
-                loss += C[6] * e1 * e1 + 2.0 * C[7] * e1 * e2 + C[8] * e2 * e2
-        for i in range(4):
-            for k in range(3):
-                fx[i, k] = fd[i, k] = 0.0
-        for s in range(6):
-            i, j = FIRST[s], SECOND[s]
-            along = pull[s] * b[s] * (1.0 + 2.0 / 15.0 * c[s]) / 12.0
-            across = pull[s] * b[s] * b[s] / 90.0
-            for k in range(3):
-                force = pull[s] * dx[s, k] + along * dd[s, k]
-                couple = along * dx[s, k] + across * dd[s, k]
-                if s < 4:
-                    force += tau[s] * dm[s, k]
-                    half = 0.5 * tau[s] * dx[s, k]
-                    fd[i, k] += half
-                    fd[j, k] += half
-                fx[i, k] -= force
-                fx[j, k] += force
-                fd[i, k] -= couple
-                fd[j, k] += couple
-        # Gauss points: bending; g and h hold x,1 and d,1 on two lines, then x,2 and d,2
-        for k in range(2):
-            z = LINE[k]
-            for t in range(3):
-                g[k, t] = (1.0 - z) * dx[0, t] + z * dx[1, t]
-                h[k, t] = (1.0 - z) * dd[0, t] + z * dd[1, t]
-                g[2 + k, t] = (1.0 - z) * dx[2, t] + z * dx[3, t]
-                h[2 + k, t] = (1.0 - z) * dd[2, t] + z * dd[3, t]
-        if damped:
-            for k in range(2):
-                z = LINE[k]
-                for t in range(3):
-                    vg[k, t] = (1.0 - z) * vx[0, t] + z * vx[1, t]
-                    vh[k, t] = (1.0 - z) * vd[0, t] + z * vd[1, t]
-                    vg[2 + k, t] = (1.0 - z) * vx[2, t] + z * vx[3, t]
-                    vh[2 + k, t] = (1.0 - z) * vd[2, t] + z * vd[3, t]
-        for k in range(4):
-            gb[k], gc[k] = _dot(g[k], h[k]), _dot(h[k], h[k])
-            axis[k] = gb[k] * (1.0 + gc[k] / 12.0 + gc[k] * gc[k] / 90.0) - rest[m, 10 + k]
-            if damped:
-                vb[k] = _dot(vg[k], h[k]) + _dot(g[k], vh[k])
-                vc[k] = 2.0 * _dot(h[k], vh[k])
-                flex[k] = _turning_rate(gb[k], gc[k], vb[k], vc[k])
-                axis[k] += flex[k]
-            moment[k] = 0.0
-            for t in range(3):
-                fg[k, t] = fh[k, t] = 0.0
-        for k in range(4):
-            one, two = k // 2, 2 + k % 2
-            # turning along x,1 + x,2 and x,1 - x,2
-            cross_b = _dot(g[one], h[two]) + _dot(g[two], h[one])
-            cross_c = 2.0 * _dot(h[one], h[two])
-            plus_b, minus_b = gb[one] + gb[two] + cross_b, gb[one] + gb[two] - cross_b
-            plus_c, minus_c = gc[one] + gc[two] + cross_c, gc[one] + gc[two] - cross_c
-            plus = 1.0 + plus_c / 12.0 + plus_c * plus_c / 90.0
-            minus = 1.0 + minus_c / 12.0 + minus_c * minus_c / 90.0
-            twist = 0.25 * (plus_b * plus - minus_b * minus) - rest[m, 14 + k]
-            C = stiffness[m, k]
-            if damped:
-                rate_b = _dot(vg[one], h[two]) + _dot(vg[two], h[one])
-                rate_b += _dot(g[one], vh[two]) + _dot(g[two], vh[one])
-                rate_c = 2.0 * (_dot(vh[one], h[two]) + _dot(h[one], vh[two]))
-                sum_b, sum_c = vb[one] + vb[two], vc[one] + vc[two]
-                more = _turning_rate(plus_b, plus_c, sum_b + rate_b, sum_c + rate_c)
-                less = _turning_rate(minus_b, minus_c, sum_b - rate_b, sum_c - rate_c)
-                e1, e2, e3 = flex[one], flex[two], 0.25 * (more - less)
-                twist += e3
-                loss += C[9] * e1 * e1 + C[12] * e2 * e2 + C[14] * e3 * e3
-                loss += 2.0 * (C[10] * e1 * e2 + C[11] * e1 * e3 + C[13] * e2 * e3)
-            k1, k2 = axis[one], axis[two]
-            moment[one] += C[9] * k1 + C[10] * k2 + C[11] * twist
-            moment[two] += C[10] * k1 + C[12] * k2 + C[13] * twist
-            m3 = 0.25 * (C[11] * k1 + C[13] * k2 + C[14] * twist)
-            plus_d = m3 * plus_b * (1.0 / 6.0 + plus_c * (2.0 / 45.0))
-            minus_d = m3 * minus_b * (1.0 / 6.0 + minus_c * (2.0 / 45.0))
-            plus, minus = m3 * plus, m3 * minus
-            for t in range(3):
-                hp, hm = h[one, t] + h[two, t], h[one, t] - h[two, t]
-                gp, gm = g[one, t] + g[two, t], g[one, t] - g[two, t]
-                p[t], q[t] = plus * hp, minus * hm
-                fg[one, t] += p[t] - q[t]
-                fg[two, t] += p[t] + q[t]
-                p[t], q[t] = plus * gp + plus_d * hp, minus * gm + minus_d * hm
-                fh[one, t] += p[t] - q[t]
-                fh[two, t] += p[t] + q[t]
-        for k in range(4):
-            straight = moment[k] * (1.0 + gc[k] / 12.0 + gc[k] * gc[k] / 90.0)
-            bent = moment[k] * gb[k] * (1.0 / 6.0 + gc[k] * (2.0 / 45.0))
-            for t in range(3):
-                fg[k, t] += straight * h[k, t]
-                fh[k, t] += straight * g[k, t] + bent * h[k, t]
-        for k in range(2):
-            z = LINE[k]
-            for t in range(3):
-                near, far = (1.0 - z) * fg[k, t], z * fg[k, t]
-                fx[0, t] -= near
-                fx[1, t] += near
-                fx[2, t] -= far
-                fx[3, t] += far
-                near, far = (1.0 - z) * fh[k, t], z * fh[k, t]
-                fd[0, t] -= near
-                fd[1, t] += near
-                fd[2, t] -= far
-                fd[3, t] += far
-                near, far = (1.0 - z) * fg[2 + k, t], z * fg[2 + k, t]
-                fx[0, t] -= near
-                fx[2, t] += near
-                fx[1, t] -= far
-                fx[3, t] += far
-                near, far = (1.0 - z) * fh[2 + k, t], z * fh[2 + k, t]
-                fd[0, t] -= near
-                fd[2, t] += near
-                fd[1, t] -= far
-                fd[3, t] += far
-        for i in range(4):
-            node = cells[m, i]
-            for t in range(3):
-                r[node, t] += fx[i, t]
-                r[node, 3 + t] += fd[i, t]
+            v0, v1 = sub(row(ahead, i0, 0), row(w, i0, 0)), sub(row(ahead, i1, 0), row(w, i1, 0))
+            v2, v3 = sub(row(ahead, i2, 0), row(w, i2, 0)), sub(row(ahead, i3, 0), row(w, i3, 0))
+            o0, o1 = sub(row(ahead, i0, 3), d0), sub(row(ahead, i1, 3), d1)
+            o2, o3 = sub(row(ahead, i2, 3), d2), sub(row(ahead, i3, 3), d3)
+            V0, V1, V2, V3 = sub(v1, v0), sub(v3, v2), sub(v2, v0), sub(v3, v1)
+            O0, O1, O2, O3 = sub(o1, o0), sub(o3, o2), sub(o2, o0), sub(o3, o1)
+            r0, r1 = length_rate(X0, D0, b0, c0, V0, O0), length_rate(X1, D1, b1, c1, V1, O1)
+            r2, r3 = length_rate(X2, D2, b2, c2, V2, O2), length_rate(X3, D3, b3, c3, V3, O3)
+            r4 = length_rate(X4, D4, b4, c4, sub(v1, v2), sub(o1, o2))
+            r5 = length_rate(X5, D5, b5, c5, sub(v3, v0), sub(o3, o0))
+            s0, s1, s2, s3, s4, s5 = s0 + r0, s1 + r1, s2 + r2, s3 + r3, s4 + r4, s5 + r5
+            z0, z1 = shear_rate(X0, V0, m0, o0, o1), shear_rate(X1, V1, m1, o2, o3)
+            z2, z3 = shear_rate(X2, V2, m2, o0, o2), shear_rate(X3, V3, m3, o1, o3)
+            y0, y1, y2, y3 = y0 + z0, y1 + z1, y2 + z2, y3 + z3
+            loss += corner_loss(C, 0, 0.5, r0, r2, r4, z0, z2)
+            loss += corner_loss(C, 1, -0.5, r0, r3, r5, z0, z3)
+            loss += corner_loss(C, 2, -0.5, r1, r2, r5, z1, z2)
+            loss += corner_loss(C, 3, 0.5, r1, r3, r4, z1, z3)
+            v0, o0 = mix(NEAR, V0, FAR, V1), mix(NEAR, O0, FAR, O1)
+            v1, o1 = mix(FAR, V0, NEAR, V1), mix(FAR, O0, NEAR, O1)
+            v2, o2 = mix(NEAR, V2, FAR, V3), mix(NEAR, O2, FAR, O3)
+            v3, o3 = mix(FAR, V2, NEAR, V3), mix(FAR, O2, NEAR, O3)
+            vb0, vc0, r0 = line_rate(g0, h0, e0, f0, v0, o0)
+            vb1, vc1, r1 = line_rate(g1, h1, e1, f1, v1, o1)
+            vb2, vc2, r2 = line_rate(g2, h2, e2, f2, v2, o2)
+            vb3, vc3, r3 = line_rate(g3, h3, e3, f3, v3, o3)
+            k0, k1, k2, k3 = k0 + r0, k1 + r1, k2 + r2, k3 + r3
+            z0 = twist_rate(g0, h0, v0, o0, vb0, vc0, g2, h2, v2, o2, vb2, vc2, pb0, mb0, pc0, mc0)
+            z1 = twist_rate(g0, h0, v0, o0, vb0, vc0, g3, h3, v3, o3, vb3, vc3, pb1, mb1, pc1, mc1)
+            z2 = twist_rate(g1, h1, v1, o1, vb1, vc1, g2, h2, v2, o2, vb2, vc2, pb2, mb2, pc2, mc2)
+            z3 = twist_rate(g1, h1, v1, o1, vb1, vc1, g3, h3, v3, o3, vb3, vc3, pb3, mb3, pc3, mc3)
+            t0, t1, t2, t3 = t0 + z0, t1 + z1, t2 + z2, t3 + z3
+            loss += point_loss(C, 0, r0, r2, z0) + point_loss(C, 1, r0, r3, z1)
+            loss += point_loss(C, 2, r1, r2, z2) + point_loss(C, 3, r1, r3, z3)
+
+        # corners: pulls of the segments, shear forces of the sides
+        p0, p2, n0 = corner(C, 0, 0.5, s0, s2, s4)
+        q0, p3, n1 = corner(C, 1, -0.5, s0, s3, s5)
+        p1, q2, n2 = corner(C, 2, -0.5, s1, s2, s5)
+        q1, q3, n3 = corner(C, 3, 0.5, s1, s3, s4)
+        F0, M0 = segment(p0 + q0, X0, D0, b0, c0)
+        F1, M1 = segment(p1 + q1, X1, D1, b1, c1)
+        F2, M2 = segment(p2 + q2, X2, D2, b2, c2)
+        F3, M3 = segment(p3 + q3, X3, D3, b3, c3)
+        F4, M4 = segment(-n0 - n3, X4, D4, b4, c4)
+        F5, M5 = segment(-n1 - n2, X5, D5, b5, c5)
+        q0 = C[0, 6] * y0 + C[0, 7] * y2 + C[1, 6] * y0 + C[1, 7] * y3
+        q1 = C[2, 6] * y1 + C[2, 7] * y2 + C[3, 6] * y1 + C[3, 7] * y3
+        q2 = C[0, 7] * y0 + C[0, 8] * y2 + C[2, 7] * y1 + C[2, 8] * y2
+        q3 = C[1, 7] * y0 + C[1, 8] * y3 + C[3, 7] * y1 + C[3, 8] * y3
+        F0, F1, F2, F3 = plus(F0, q0, m0), plus(F1, q1, m1), plus(F2, q2, m2), plus(F3, q3, m3)
+
+        # Gauss points: moments, and what they do to lines and segments
+        l0, l2, n = moments(C, 0, k0, k2, t0)
+        u0, u2, w0, w2 = twisted(n, g0, h0, g2, h2, pb0, mb0, pc0, mc0)
+        p0, l3, n = moments(C, 1, k0, k3, t1)
+        a0, u3, a1, w3 = twisted(n, g0, h0, g3, h3, pb1, mb1, pc1, mc1)
+        u0, w0, l0 = add(u0, a0), add(w0, a1), l0 + p0
+        l1, p2, n = moments(C, 2, k1, k2, t2)
+        u1, a0, w1, a1 = twisted(n, g1, h1, g2, h2, pb2, mb2, pc2, mc2)
+        u2, w2, l2 = add(u2, a0), add(w2, a1), l2 + p2
+        p1, p3, n = moments(C, 3, k1, k3, t3)
+        a0, a1, a2, a3 = twisted(n, g1, h1, g3, h3, pb3, mb3, pc3, mc3)
+        u1, u3, w1, w3 = add(u1, a0), add(u3, a1), add(w1, a2), add(w3, a3)
+        u0, w0 = bent(l0, g0, h0, e0, f0, u0, w0)
+        u1, w1 = bent(l1 + p1, g1, h1, e1, f1, u1, w1)
+        u2, w2 = bent(l2, g2, h2, e2, f2, u2, w2)
+        u3, w3 = bent(l3 + p3, g3, h3, e3, f3, u3, w3)
+        F0, M0 = add(F0, mix(NEAR, u0, FAR, u1)), add(M0, mix(NEAR, w0, FAR, w1))
+        F1, M1 = add(F1, mix(FAR, u0, NEAR, u1)), add(M1, mix(FAR, w0, NEAR, w1))
+        F2, M2 = add(F2, mix(NEAR, u2, FAR, u3)), add(M2, mix(NEAR, w2, FAR, w3))
+        F3, M3 = add(F3, mix(FAR, u2, NEAR, u3)), add(M3, mix(FAR, w2, NEAR, w3))
+
+        # to the nodes: segments 01, 23, 02, 13, 21, 03; shear turns both directors of a side
+        half_0, half_1 = mix(0.5 * q0, X0, 0.5 * q2, X2), mix(0.5 * q0, X0, 0.5 * q3, X3)
+        half_2, half_3 = mix(0.5 * q1, X1, 0.5 * q2, X2), mix(0.5 * q1, X1, 0.5 * q3, X3)
+        add_to(r, i0, 0, mix(-1.0, add(F0, F2), -1.0, F5))
+        add_to(r, i1, 0, add(sub(F0, F3), F4))
+        add_to(r, i2, 0, sub(sub(F2, F1), F4))
+        add_to(r, i3, 0, add(add(F1, F3), F5))
+        add_to(r, i0, 3, sub(sub(half_0, M0), add(M2, M5)))
+        add_to(r, i1, 3, add(add(half_1, M0), sub(M4, M3)))
+        add_to(r, i2, 3, add(sub(half_2, M1), sub(M2, M4)))
+        add_to(r, i3, 3, add(add(half_3, M1), add(M3, M5)))
     return loss
