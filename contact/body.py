@@ -10,8 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from contact.travel import bits_of
+
 TOLERANCE = 1e-9  # of axes @ axes.T against the identity
 COLLINEAR = 1e-6  # of a marker's offset from the line J1-J2, over |J2 - J1|
+SLENDER = 1e9  # longest over shortest semi-axis: from there on roundoff of one exceeds the other
 
 
 class Pose(NamedTuple):
@@ -86,12 +89,22 @@ class Segment:
     def __init__(self, name, radii, motion):
         if not (isinstance(name, str) and name):
             raise ValueError(f"a segment needs a name, not {name!r}")
-        radii = np.array(radii, float)
-        if radii.shape != (3,) or not (np.isfinite(radii).all() and (radii > 0).all()):
-            raise ValueError(f"segment '{name}' needs three finite radii > 0 [m], not {radii}")
-        self.name, self.radii, self.motion = name, radii, motion
+        self.name, self.radii, self.motion = name, semi_axes(name, radii), motion
         self.pose = motion.pose if hasattr(motion, "pose") else motion
         self.moves = getattr(motion, "moves", True)
+
+
+def semi_axes(name, radii):
+    """Checked semi-axes (3,) [m] of the segment `name`; ValueError if they make no ellipsoid."""
+    radii = np.array(radii, float)
+    if radii.shape != (3,) or not (np.isfinite(radii).all() and (radii > 0).all()):
+        raise ValueError(f"segment '{name}' needs three finite radii > 0 [m], not {radii}")
+    if radii.max() > SLENDER * radii.min():
+        raise ValueError(
+            f"segment '{name}' has radii from {radii.min():.3g} to {radii.max():.3g} m, more than "
+            f"{SLENDER:.0g} apart; make the longest shorter"
+        )
+    return radii
 
 
 class Body:
@@ -128,8 +141,22 @@ class Body:
         return self.names.index(name)
 
     def mask(self, names):
-        """Set of the named segments as a whole number, bit b for segment b."""
-        return sum(1 << self.index(name) for name in set(names))
+        """Set of the named segments as a whole number, see `contact.travel.bits_of`.
+
+        ValueError where a bit stands for others besides.
+        """
+        bits, which = bits_of(self), sorted({self.index(name) for name in names})
+        out = 0
+        for k in which:
+            out |= 1 << int(bits[k])
+        for k in np.flatnonzero(out >> bits & 1):
+            if k not in which:
+                raise ValueError(
+                    f"of {len(bits)} segments '{self.names[k]}' cannot be told from "
+                    f"'{self.names[which[list(bits[which]).index(bits[k])]]}'; name both, or make "
+                    "fewer segments"
+                )
+        return out
 
     def new_pose(self, t=0.0):
         """Arrays for `pose`, filled at time t [s]; segments at rest are set here for good."""

@@ -7,6 +7,8 @@ the groups POINT:ANGLES, FORCES, ... and by their names. A residual below 0 mark
 
 import re
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,8 @@ import numpy as np
 from contact.marker_files import Raw
 
 NO_PLACE = re.compile(r"(angles?|forces?|moments?|powers?|torques?|index)$", re.IGNORECASE)
+READ = "import sys, ezc3d; ezc3d.c3d(sys.argv[1])"
+PATIENCE = 60  # s
 NO_PLACE_GROUPS = ("ANGLE", "FORCE", "MOMENT", "POWER", "SCALAR", "REACTION", "TORQUE")
 
 
@@ -35,6 +39,7 @@ def read_c3d(path):
             "ezc3d`, or export the markers as TRC or CSV"
         ) from None
     check_length(path)
+    try_out(path)
     try:
         file = ezc3d.c3d(str(path))
     except (OSError, RuntimeError, ValueError, IndexError) as error:
@@ -97,6 +102,26 @@ def check_length(path):
     if size < told:
         raise ValueError(
             f"{path}: cut off, {size} bytes of the {told} its header tells of; copy it again"
+        )
+
+
+def try_out(path):
+    """Let a process of its own read the file first: the library crashes on some that are damaged.
+
+    Raises
+    ------
+    ValueError
+        When that process is ended by a signal, or takes longer than a minute.
+    """
+    try:
+        code = subprocess.run(
+            [sys.executable, "-c", READ, str(path)], capture_output=True, timeout=PATIENCE
+        ).returncode
+    except subprocess.TimeoutExpired:
+        code = -1
+    if code < 0:
+        raise ValueError(
+            f"{path}: ezc3d breaks down on it, so its parameters are damaged; export it again"
         )
 
 

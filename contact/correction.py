@@ -19,12 +19,13 @@ import numpy as np
 from numba import njit
 
 from contact.friction import coefficients
+from contact.jump import require_no_jump
 from contact.pinch import mates_of
 from contact.planes import PLANE
 from contact.point import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, Ledger, meet_body
-from contact.travel import TRAVEL, in_reach, set_travel
+from contact.travel import SETS, TRAVEL, bits_of, in_reach, set_travel
 
-EVERY = 2**62 - 1  # all segments
+EVERY = 2**63 - 1  # all segments
 
 
 @njit(cache=True, error_model="numpy")
@@ -40,7 +41,7 @@ def _correct(
     kick, change = room[4], room[5]
     for i in range(len(x)):
         total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
-        if not np.isfinite(total):
+        if not (np.isfinite(total) and 0.0 < mass[i] < np.inf):
             return i + 1, deepest, pinched
         for c in range(3):
             impulse[i, c] = 0.0
@@ -110,8 +111,12 @@ class Correction:
         self.allowed = np.full(nodes, EVERY) if allowed is None else np.array(allowed, np.int64)
         if self.allowed.shape != (nodes,):
             raise ValueError(f"allowed has shape {self.allowed.shape}, not ({nodes},)")
-        if len(body.radii) > 62:
-            raise ValueError(f"a body has at most 62 segments, not {len(body.radii)}")
+        bits = bits_of(body)
+        if flesh < np.inf and bits.max() == SETS:
+            raise ValueError(
+                f"of {len(bits)} segments that move by themselves only {SETS} can be told apart "
+                "as soft ones; give several one carrier, or leave them hard"
+            )
         self.body = body
         self._law = (mu_s, mu_k, float(offset), float(recovery), float(flesh))
         m = len(body.radii)
@@ -121,7 +126,7 @@ class Correction:
         self.max_depth, self.pinch_depth, self._counts = 0.0, 0.0, np.zeros(COUNTS, np.int64)
         self._radii = np.ascontiguousarray(body.radii, float)
         self._scratch = np.zeros(m, TRAVEL), np.zeros(2 * m, PLANE), np.zeros((6, 3))
-        self._scratch[0]["mates"] = mates_of(body)
+        self._scratch[0]["bit"], self._scratch[0]["mates"] = bits, mates_of(body)
         self._start, self._end = body.new_pose(), body.new_pose()
         self._start_time = self._end_time = None
 
@@ -149,6 +154,10 @@ class Correction:
         ):
             if array.shape != shape:
                 raise ValueError(f"{name} has shape {array.shape}, not {shape}")
+        if not (0 < dt < np.inf and np.isfinite(t)):
+            raise ValueError(
+                f"contact needs a time step above 0 s at a finite time, not {dt} s at {t}"
+            )
         self._move(t, t + dt)
         last, window = self.last, self.window
         bad, self.max_depth, self.pinch_depth = _correct(
@@ -159,6 +168,8 @@ class Correction:
         )  # fmt: skip
         if bad:
             i = bad - 1
+            if not 0 < mass[i] < np.inf:
+                raise ValueError(f"node {i} has a mass of {mass[i]} kg; contact needs one above 0")
             raise FloatingPointError(
                 f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
                 "the step has exploded; take a smaller one"
@@ -174,6 +185,8 @@ class Correction:
             self.body.pose(start, self._start)
         self.body.pose(end, self._end)
         self._start_time, self._end_time = start, end
+        names = self.body.names
+        require_no_jump(names, self._radii, self._start, self._end, start, end - start)
 
     @property
     def friction(self):

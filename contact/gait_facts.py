@@ -144,6 +144,7 @@ def stride(times, heel, angle, a, b):
     """
     seconds = times[b] - times[a]
     first, last = a + round(0.12 * (b - a)), a + round(0.28 * (b - a))
+    last = max(last, first + 1)  # at a few frames a second both are one
     rest = (heel[last] - heel[first])[:2] / (times[last] - times[first])
     belt = float(np.linalg.norm(rest))
     way = (heel[b] - heel[a])[:2] - (rest * seconds if belt > BELT else 0.0)

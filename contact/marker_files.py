@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 NO_NUMBER = {"", "nan", "na", "n/a", "null", "none", "-", "1.#qnan", "1.#ind"}
+ROUNDED = 0.25  # of a frame, how far rounded times lie off their even grid
 
 
 class Raw(NamedTuple):
@@ -135,11 +136,12 @@ def _trc_row(cells, width, path, line):
 
 
 def _number(cell):
-    """The number in a cell, NaN for a gap, None for anything else."""
+    """The number in a cell, NaN for a gap, None for anything else, infinity too."""
     try:
-        return float(cell)
+        number = float(cell)
     except ValueError:
         return np.nan if cell.lower() in NO_NUMBER else None
+    return None if np.isinf(number) else number
 
 
 def _numbers(cells, path, line):
@@ -155,7 +157,13 @@ def _numbers(cells, path, line):
 
 def read_csv(path):
     """`Raw` of a CSV file, laid out as the module says."""
-    lines = [s for s in Path(path).read_text(encoding="utf-8-sig").splitlines() if s.strip()]
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(
+            f"{path}: byte {error.start} is no text in UTF-8; export the CSV file again"
+        ) from None
+    lines = [s for s in text.splitlines() if s.strip()]
     if len(lines) < 3:
         raise ValueError(f"{path}: a line of names and at least two frames are needed")
     comma = max(",;\t", key=lines[0].count)
@@ -194,7 +202,8 @@ def read_csv(path):
 def _even(times, positions, rate, path):
     """Frames on an even grid of times; frames that were left out become gaps.
 
-    A rate from the header counts, as times are often rounded to 1 ms.
+    A rate from the header counts, as times are often rounded to 1 ms. Without it, times that
+    rounding can have put off an even grid are taken as one.
     """
     steps = np.diff(times)
     if not np.isfinite(times).all() or not (steps >= 0).all() or times[-1] <= times[0]:
@@ -203,6 +212,9 @@ def _even(times, positions, rate, path):
     n, span = len(times), times[-1] - times[0]
     if rate and abs(span * rate - (n - 1)) < max(1.0, 0.01 * n):
         return times[0] + np.arange(n) / rate, positions, rate, []
+    even = (n - 1) / span
+    if not rate and np.abs((times - times[0]) * even - np.arange(n)).max() < ROUNDED:
+        return times[0] + np.arange(n) / even, positions, even, []
     measured = rate or 1.0 / np.median(steps)
     count = np.rint(steps * measured)
     if (count < 1).any() or np.median(count) > 1 or abs(span * measured / count.sum() - 1) > 0.02:

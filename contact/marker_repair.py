@@ -10,6 +10,8 @@ from contact.recording import SIDES
 SPIKE = 0.010  # smallest jump taken for an error of the cameras [m]
 OVER_NOISE = 12.0  # and by how much it must exceed the track's own noise
 PASSES = 8
+LASTING = 0.1  # from which on a jump that stays is not bridged [m]
+JERK = 5e3  # of limbs, not reached [m/s^3]: tells how far a way may be from an even one
 
 
 def runs(bad):
@@ -93,11 +95,43 @@ def off_neighbours(track):
     return out
 
 
-def without_spikes(track, name, times, max_gap):
+def _joined(bad, longest):
+    """Runs of True in bad (n,) joined with what is between them, up to `longest` frames."""
+    out, begin = bad.copy(), None
+    for first, stop in runs(bad):
+        if begin is not None and stop - begin <= longest:
+            out[begin:stop] = True
+        else:
+            begin = first
+    return out
+
+
+def jump_over(track, first, stop, step):
+    """How far a track goes on aside of where it came from, over the frames first to before stop.
+
+    The way from the three frames before to the three after is held against that of a motion whose
+    velocity changes evenly; at the ends of the track, without three frames, nothing is told.
+
+    Returns
+    -------
+    distance [m]; what of it a person's motion may have done [m]
+    """
+    if first < 3 or stop > len(track) - 3:
+        return 0.0, 0.0
+    before, after = track[first - 3 : first], track[stop : stop + 3]
+    between = (stop - first + 3) * step
+    speed = (before[2] - before[0] + after[2] - after[0]) / (4 * step)
+    way = after.mean(axis=0) - before.mean(axis=0)
+    return float(np.linalg.norm(way - between * speed)), JERK * between**3 / 12
+
+
+def without_spikes(track, name, times, max_gap, source="markers"):
     """A track whose frames far from their neighbours are replaced by the spline through the rest.
 
-    A frame is a spike when it stands off the cubic through its neighbours by 10 mm, and by 12
-    times the median over the track. A jump that stays is bridged at its edge; noise goes on.
+    A frame is a spike when it stands off the cubic through its neighbours by 10 mm, by 12 times the
+    median over the track, and by more than limbs do by themselves (JERK). Frames between two spikes
+    go with them if all is no longer than `max_gap`: they are off as well. A small jump that stays
+    is bridged and told; noise goes on.
 
     Parameters
     ----------
@@ -109,11 +143,18 @@ def without_spikes(track, name, times, max_gap):
     Returns
     -------
     track (n, 3), notes (list of str)
+
+    Raises
+    ------
+    ValueError
+        When the marker jumps by 0.1 m or more and does not come back.
     """
     bad = np.zeros(len(track), bool)
-    limit = max(SPIKE, OVER_NOISE * float(np.median(off_neighbours(track))))
-    out, largest = track, 0.0
+    out, largest, stays = track, 0.0, ""
     step = (times[-1] - times[0]) / (len(times) - 1)
+    # at few frames a second a motion itself stands off: its jerk may turn around in two frames
+    moved = JERK * step**3 / 3
+    limit = max(SPIKE, OVER_NOISE * float(np.median(off_neighbours(track))), moved)
     for _ in range(PASSES):
         off = off_neighbours(out)
         off[bad] = 0.0
@@ -121,17 +162,30 @@ def without_spikes(track, name, times, max_gap):
         if not peak.any():
             break
         largest = max(largest, float(off.max()))
-        more = bad | peak
+        more = _joined(bad | peak, round(max_gap / step))
+        if not bad.any():
+            for first, stop in runs(more):
+                aside, may_be = jump_over(track, first, stop, step)
+                if aside > max(LASTING, limit) + may_be:
+                    raise ValueError(
+                        f"{source}: marker '{name}' jumps by {1e3 * aside:.4g} mm at t = "
+                        f"{times[first]:.3f} s and stays there, as where two captures are joined "
+                        "or labels change; correct it, or cut the capture with window=(start, end)"
+                    )
+                if aside > limit + may_be:
+                    stays += f", it stays {1e3 * aside:.0f} mm aside from t = {times[first]:.3f} s"
         if max(stop - first for first, stop in runs(more)) * step > max_gap:
             break  # no spike any more; what is mended so far stays
         bad = more
         out = track.copy()
         out[bad] = CubicSpline(times[~bad], track[~bad])(times[bad])
     notes = [
-        f"'{name}' jumps at t = {times[first]:.3f} s, up to {1e3 * largest:.0f} mm off its "
+        f"'{name}' jumps at t = {times[first]:.3f} s, up to {1e3 * largest:.4g} mm off its "
         f"neighbours: {stop - first} frames replaced"
         for first, stop in runs(bad)
     ]
+    if notes:
+        notes[-1] += stays
     return out, notes
 
 

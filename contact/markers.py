@@ -69,7 +69,8 @@ def vertical(pelvis, feet):
     """
     if not (pelvis.shape[1] and feet.shape[1]):
         return None
-    up = np.nanmean(pelvis, axis=(0, 1)) - np.nanmean(feet, axis=(0, 1))
+    # medians: one wrong number in a file must not decide what is up
+    up = np.nanmedian(pelvis, axis=(0, 1)) - np.nanmedian(feet, axis=(0, 1))
     axis = int(np.argmax(np.abs(up)))
     if not np.abs(up[axis]) > UPRIGHT * np.linalg.norm(up):
         return None

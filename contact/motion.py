@@ -16,6 +16,7 @@ from contact import marker_files
 from contact.body import pose_from_markers
 from contact.gait_facts import facts, forward
 from contact.landmarks import point
+from contact.marker_noise import told
 from contact.marker_plan import choose_map, labels_on_body, plan
 from contact.marker_repair import common_span, filled, low_pass, rigid_legs, without_spikes
 from contact.markers import Markers, to_markers
@@ -23,6 +24,7 @@ from contact.recording import SIDES, Recording
 from contact.segment_map import SegmentMap, segment_map
 
 LEVER = 0.010  # least distance of M from the line J1-J2 [m]
+FASTEST = 30.0  # a kicking foot moves at 20 to 25 m/s
 
 __all__ = [
     "Markers",
@@ -80,7 +82,8 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
     Raises
     ------
     ValueError
-        When a marker lacks, a gap is longer, labels are mixed up, or M lies within 10 mm of J1-J2.
+        When a marker lacks or jumps, a gap is longer, labels are mixed up, the frames are too few a
+        second for the cutoff, nobody moves that fast, or M lies within 10 mm of J1-J2.
     """
     source = markers.source
     if map is None:
@@ -97,9 +100,10 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
         track, said = filled(track, label, times, max_gap, source)
         for note in said:
             gaps.setdefault(note, []).append(label)
-        tracks[name], said = without_spikes(track, label, times, max_gap)
+        tracks[name], said = without_spikes(track, label, times, max_gap, source)
         notes += said
     notes += [f"{note}: {', '.join(labels)}" for note, labels in gaps.items()]
+    notes += told(tracks, chosen.labels, markers.rate, cutoff)
     points = _evaluate(chosen, tracks)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
@@ -110,7 +114,8 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
         if not 0 < cutoff < 0.4 * markers.rate:
             raise ValueError(
                 f"{source}: cutoff must lie between 0 and {0.4 * markers.rate:.4g} Hz at "
-                f"{markers.rate:.4g} frames a second, not {cutoff:g} Hz; None filters nothing"
+                f"{markers.rate:.4g} frames a second, not {cutoff:g} Hz: lower it, as far as the "
+                "motion is slow, or None to filter nothing"
             )
         points = {name: low_pass(track, markers.rate, cutoff) for name, track in points.items()}
         notes.append(f"points low-passed at {cutoff:g} Hz")
@@ -121,6 +126,7 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
         points["pelvis"], lean = upright(points["pelvis"])
         notes.append(f"pelvis set upright: its landmarks lean by {np.degrees(lean):.0f} degrees")
     _require_lever(points, times, source)
+    _require_pace(points, times, source)
     return Recording(times, points, source, tuple(notes), facts(times, points))
 
 
@@ -246,4 +252,16 @@ def _require_lever(points, times, source):
                 f"{source}: M of '{name}' is {1e3 * lever[worst]:.1f} mm off the line J1-J2 at t = "
                 f"{times[worst]:.3f} s; at least {1e3 * LEVER:.0f} mm tell the turn about it, take "
                 "another marker"
+            )
+
+
+def _require_pace(points, times, source):
+    for name, track in points.items():
+        speed = np.linalg.norm(np.diff(track, axis=0), axis=2) / np.diff(times)[:, None]
+        frame = int(np.argmax(speed.max(axis=1)))
+        if speed[frame].max() > FASTEST:
+            raise ValueError(
+                f"{source}: '{name}' moves at {speed[frame].max():.0f} m/s at t = "
+                f"{times[frame]:.3f} s, and nobody is faster than {FASTEST:.0f} m/s; correct the "
+                "rate or the markers, cut the capture with window=(start, end), or lower the cutoff"
             )

@@ -26,11 +26,10 @@ from numba import njit
 
 from contact.ellipsoid import foot_and_normal
 from contact.planes import set_plane
-from contact.travel import turned_by
+from contact.travel import bits_of, turned_by
 
-RELAXATION = (
-    5e-4  # tau [s]: cloth that swings between two soft sides comes to rest, walking goes on
-)
+# tau [s]: brings cloth that swings between two soft sides to rest; in a walk it is no matter
+RELAXATION = 5e-4
 RESOLVED = 0.1  # of 1/dt^2, the greatest stiffness over mass that steps of dt follow
 
 
@@ -51,22 +50,21 @@ def soften(x, free, kick, dt, flesh, travel, offset, sunk, fresh, planes, start)
     -------
     sunk, without those that the point has left; planes filled; greatest depth [m]
     """
-    count, deepest = 0, 0.0
+    count, deepest, inside = 0, 0.0, 0
     flesh = min(flesh, RESOLVED / dt**2)
     loss = flesh * RELAXATION * dt
     for b in range(len(travel)):
-        if not (sunk >> b) & 1:
-            continue
         body = travel[b]
+        if not (sunk >> body.bit) & 1:
+            continue
         q0, q1, q2 = x[0] - body.centre[0], x[1] - body.centre[1], x[2] - body.centre[2]
         y0, y1, y2 = turned_by(body.axes, q0, q1, q2)
         r0, r1, r2 = body.radii[0], body.radii[1], body.radii[2]
         distance, _, _, _, n0, n1, n2 = foot_and_normal(y0, y1, y2, r0, r1, r2)
         depth = offset - distance
         if depth <= 0.0:
-            if not (fresh >> b) & 1:
-                sunk &= ~(1 << b)
             continue
+        inside |= 1 << body.bit
         u0, u1, u2 = turned_by(body.turn, q0, q1, q2)
         u0, u1, u2 = u0 + body.shift[0], u1 + body.shift[1], u2 + body.shift[2]
         plane = planes[start + count]
@@ -80,7 +78,7 @@ def soften(x, free, kick, dt, flesh, travel, offset, sunk, fresh, planes, start)
     for k in range(start, start + count):
         for c in range(3):
             free[c] += planes[k].push * planes[k].normal[c]
-    return sunk, count, deepest
+    return sunk & (inside | fresh), count, deepest
 
 
 @njit(cache=True, error_model="numpy")
@@ -94,11 +92,12 @@ def opposed(planes, count, travel, every):
         for j in range(k):
             if not every and (planes[k].push <= 0.0 or planes[j].push <= 0.0):
                 continue
-            if (travel[planes[k].owner].mates >> planes[j].owner) & 1:
+            one, other = travel[planes[k].owner], travel[planes[j].owner]
+            if (one.mates >> other.bit) & 1:
                 continue
             p, q = planes[k].normal, planes[j].normal
             if p[0] * q[0] + p[1] * q[1] + p[2] * q[2] < 0.0:
-                out |= (1 << planes[k].owner) | (1 << planes[j].owner)
+                out |= (1 << one.bit) | (1 << other.bit)
     return out
 
 
@@ -114,7 +113,7 @@ def from_cloth(planes, first, last, k, travel, out):
     if k < first:
         return
     for j in range(first, last):
-        if j == k or (travel[planes[k].owner].mates >> planes[j].owner) & 1:
+        if j == k or (travel[planes[k].owner].mates >> travel[planes[j].owner].bit) & 1:
             continue
         common = 0.5 * min(push, planes[j].push)
         for c in range(3):
@@ -124,8 +123,9 @@ def from_cloth(planes, first, last, k, travel, out):
 def mates_of(body):
     """Sets (m,) of the ellipsoids that move as one with each: that have the same entry in the
     `carriers` of a body that has them, as a Wearer; else each alone."""
-    names = getattr(body, "carriers", None)
-    m = len(body.radii)
-    if names is None:
-        return np.array([1 << b for b in range(m)], np.int64)
-    return np.array([sum(1 << a for a in range(m) if names[a] == n) for n in names], np.int64)
+    bits = bits_of(body)
+    names = getattr(body, "carriers", range(len(bits)))
+    sets = {}
+    for name, bit in zip(names, bits, strict=True):
+        sets[name] = sets.get(name, 0) | 1 << int(bit)
+    return np.array([sets[name] for name in names], np.int64)

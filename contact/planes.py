@@ -105,9 +105,9 @@ def find_planes(x, at, tau, step, travel, allowed, offset, recover, count, plane
         reach += np.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
     evaluated, known, soonest, rest = 0, count, 2.0, 1.0 - tau
     for b in range(len(travel)):
-        if not (allowed >> b) & 1:
-            continue
         body = travel[b]
+        if not (allowed >> body.bit) & 1:
+            continue
         q0, q1, q2 = x[0] - body.centre[0], x[1] - body.centre[1], x[2] - body.centre[2]
         limit = body.far + reach
         if (q0 * q0 + q1 * q1 + q2 * q2) * (body.near * body.near) > limit * limit:

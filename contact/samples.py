@@ -34,6 +34,31 @@ def midpoints(k):
     return np.column_stack([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b])
 
 
+def too_thin(names, radii, cell_size, offset=0.0, k=0):
+    """Sentences on the ellipsoids that can pass between the points of a sheet that are met.
+
+    Rows of points are a cell apart, with k x k samples a k-th of it, but no less than half for one
+    sample; an ellipsoid that lies along the rows passes where its thickness and twice the offset
+    are less.
+
+    Parameters
+    ----------
+    names : of the ellipsoids; radii : (m, 3), semi-axes [m]
+    cell_size, offset : float [m]; k : int, 0 for the nodes alone
+    """
+    apart = cell_size / max(k, 2) if k else cell_size
+    said = []
+    for name, thick in zip(names, 2 * np.min(radii, axis=1), strict=True):
+        if thick + 2 * offset < apart:
+            rows = int(np.ceil(cell_size / (thick + 2 * offset)))
+            need = rows if rows > 2 else 1
+            said.append(
+                f"ellipsoid '{name}' is {1e3 * thick:.3g} mm thick and can pass between points "
+                f"{1e3 * apart:.3g} mm apart: take smaller cells, or samples={need}"
+            )
+    return said
+
+
 def shares(cells, weights, nodes):
     """W (n,), sum of the weights that all samples have at each node; cells (m, 4), n = nodes."""
     return np.bincount(cells.ravel(), np.tile(weights.sum(axis=0), len(cells)), nodes)

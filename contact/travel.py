@@ -6,7 +6,8 @@ drift = shift + turn @ (x - centre), from the two poses alone: drift / dt is the
 surface, v_c + omega x r at mid-step with an error of second order, and a point that sticks stays
 where it is on the body for any number of steps.
 
-Sets of segments are whole numbers, bit b for segment b.
+Sets of segments are whole numbers. Of a body of up to 62 segments bit b stands for segment b; of a
+larger one a bit stands for all segments on one carrier, or for all from the 63rd on (`bits_of`).
 """
 
 import numpy as np
@@ -26,9 +27,25 @@ TRAVEL = np.dtype(
         ("far", float),  # |x - centre| near > far + |step|: out of reach
         ("near", float),
         ("slack", float),  # roundoff of a distance [m]
+        ("bit", np.int64),  # number of its bit in sets
         ("mates", np.int64),  # set of the ellipsoids that move as one with this
     ]
 )
+SETS = 62  # bits of a set
+
+
+def bits_of(body):
+    """Bits (m,) int of the segments in sets.
+
+    Each its own, if they are no more than SETS; else one for each of the `carriers` that a Wearer
+    has; else the last bit for all that are over.
+    """
+    m = len(body.radii)
+    carriers = list(getattr(body, "carriers", range(m)))
+    kinds = list(dict.fromkeys(carriers))
+    if m > SETS and len(kinds) <= SETS:
+        return np.array([kinds.index(carrier) for carrier in carriers], np.int64)
+    return np.minimum(np.arange(m), SETS)
 
 
 @njit(cache=True, error_model="numpy")
@@ -64,9 +81,9 @@ def set_travel(start, start_axes, end, end_axes, radii, offset, travel):
 def in_reach(x, reach, travel, allowed):
     """Whether a step of length `reach` [m] from x can come near any ellipsoid it can touch."""
     for b in range(len(travel)):
-        if not (allowed >> b) & 1:
-            continue
         body = travel[b]
+        if not (allowed >> body.bit) & 1:
+            continue
         q0, q1, q2 = x[0] - body.centre[0], x[1] - body.centre[1], x[2] - body.centre[2]
         limit = body.far + reach
         if (q0 * q0 + q1 * q1 + q2 * q2) * (body.near * body.near) <= limit * limit:

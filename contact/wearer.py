@@ -16,7 +16,7 @@ from numba import njit
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from contact.body import Body, Pose, pose_from_markers
+from contact.body import Body, Pose, pose_from_markers, semi_axes
 from contact.recording import JOINTS
 
 # segment axis that a joint bends about, and its sign: flexion (dorsiflexion) is positive
@@ -60,15 +60,15 @@ class Wearer:
 
     Raises
     ------
-    ValueError for a segment that the recording lacks, a name given twice, or points that span no
-    plane
+    ValueError for a segment that the recording lacks, a name given twice, semi-axes that make no
+    ellipsoid, or points that span no plane
     """
 
     def __init__(self, recording, ellipsoids, from_rest=True):
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
         self.segments = self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
-        self.radii = np.array([radii for *_, radii in ellipsoids], float)
+        self.radii = np.array([semi_axes(name, radii) for name, *_, radii in ellipsoids])
         carriers = tuple(recording.points)
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:

@@ -17,6 +17,8 @@ from contact.leg import ANKLE_UP
 from contact.recording import SIDES, Recording
 from contact.wearer import Wearer
 
+from .reach import reach_of as reach_of
+from .reach import reachable
 from .scene_file import fabric_of
 from .torque import chosen_parts
 
@@ -56,14 +58,35 @@ def wearer_of(scene):
     standing = standing_of(recording)
     if not at_rest(recording, standing):
         recording = lead_in(recording, standing, motion.lead_in)
-    lengths = {name: length for name, (length, _) in recording.lengths().items()}
-    stature = person.stature or recording.facts.get("stature")
-    ellipsoids = anthropometry.ellipsoids(
-        lengths, stature=stature, mass=person.mass, girths=person.girths or None
-    )
-    wearer = Wearer(recording, ellipsoids)
+    wearer = Wearer(recording, ellipsoids_of(scene, recording))
     chosen_parts(wearer, scene.output.parts)  # a joint that is not there is told before dressing
     return wearer
+
+
+def ellipsoids_of(scene, recording):
+    """Ellipsoids of the wearer of a scene, as rows for `Wearer`."""
+    person = scene.person
+    return anthropometry.ellipsoids(
+        {name: length for name, (length, _) in recording.lengths().items()},
+        stature=person.stature or recording.facts.get("stature"),
+        mass=person.mass,
+        girths=person.girths or None,
+    )
+
+
+def dressed_wearer(scene, wearer, surface):
+    """The wearer with only the ellipsoids that the garment can come to; the same if these are all.
+
+    What `reachable` leaves out is kept where a table of parts names it.
+    """
+    near = reachable(wearer, surface, scene.belt)
+    names = {wearer.names[k] for k in np.flatnonzero(near)}
+    if isinstance(scene.output.parts, dict):
+        names |= {name for named in scene.output.parts.values() for name in named}
+    if names >= set(wearer.names):
+        return wearer
+    rows = ellipsoids_of(scene, wearer.recording)
+    return Wearer(wearer.recording, [row for row in rows if row[0] in names])
 
 
 def cut(recording, start=None, end=None):
@@ -144,23 +167,6 @@ def waist_height(wearer):
     heights = np.linspace(*pose.centres[which, 2], 101)
     girths = [body_girth(wearer, pose, which, height) for height in heights]
     return float(heights[int(np.argmin(girths))])
-
-
-def reach_of(surface, wearer):
-    """Ellipsoids that every node can touch, (n,) int for `Correction(allowed=...)`.
-
-    A trouser leg does not meet the other leg of the wearer: between them is the other trouser leg,
-    and cloth does not meet cloth here.
-    """
-    every = (1 << len(wearer.names)) - 1
-    allowed = np.full(len(surface.points), every)
-    if not {"right_hem", "left_hem"} <= set(surface.edges):
-        return allowed
-    parts = meshes.regions(surface)
-    for side, other in (SIDES, SIDES[::-1]):
-        far = [n for n, s in zip(wearer.names, wearer.segments, strict=True) if other in s]
-        allowed[parts[f"{side}_leg"]] &= every & ~wearer.mask(far)
-    return allowed
 
 
 def check_fit(surface, wearer):

@@ -88,7 +88,8 @@ def run(main, arguments=None):
 
 def progress(iterable, total, label):
     """Pass items through, with a bar on rank 0's terminal and none elsewhere."""
+    if MPI.COMM_WORLD.rank or not sys.stderr.isatty():
+        return iterable
     from tqdm import tqdm
 
-    shown = MPI.COMM_WORLD.rank == 0 and sys.stderr.isatty()
-    return tqdm(iterable, total=total, desc=label, disable=not shown, leave=False)
+    return tqdm(iterable, total=total, desc=label, leave=False)

@@ -26,6 +26,7 @@ from mpi4py import MPI
 import numpy as np
 
 from contact.friction import coefficients
+from contact.jump import require_no_jump
 from contact.point import Ledger
 
 from . import active_set, held_nodes
@@ -103,6 +104,7 @@ class ImplicitTouch:
         most, clock = 0, time.perf_counter()
         self.body.pose(stepper.time, self._start)
         self.body.pose(stepper.time + dt, self._end)
+        require_no_jump(self.body.names, self._radii, self._start, self._end, stepper.time, dt)
         x0 = stepper.points + stepper.owned[:, :3]
         held_nodes.take(self._kept, self._set)
         poses = (*self._start[:2], *self._end[:2], self._radii)

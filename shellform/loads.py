@@ -6,7 +6,7 @@ are integrated once into nodal forces. A moment turns with nothing: m is fixed i
 on the spin of the director, r_d = m x d. Pressure follows the surface and is left to UFL.
 
 Every load has an amplitude: a function of the load level or time. Without one it grows with the
-level in statics and stands at its full value in dynamics.
+level in statics and stands at its full value in dynamics. A load of zero is left out.
 """
 
 import numpy as np
@@ -24,21 +24,26 @@ class Loads:
     forces : list of (amplitude, (n_owned, 3) [N])
     moments : list of (amplitude, owned nodes (k,), (k, 3) [N m])
     pressures : list of (amplitude, pressure [Pa]), positive along the director's side
+    named : list of str, the kinds of load given, in their order
     """
 
     def __init__(self, partition, areal_mass):
         self.partition, self.areal_mass = partition, areal_mass
-        self.forces, self.moments, self.pressures = [], [], []
+        self.forces, self.moments, self.pressures, self.named = [], [], [], []
+
+    def kinds(self):
+        """Kinds of load on the sheet -> how many of each, without those of zero."""
+        return {kind: self.named.count(kind) for kind in dict.fromkeys(self.named)}
 
     def point(self, where, force, amplitude=None):
         """Force (3,) [N] on *each* node at a place (see `Partition.find`)."""
         whole = np.zeros_like(self.partition.surface.points)
         whole[self.partition.find(where)] = _vector(force, "force", "N")
-        self._add_forces(whole, amplitude)
+        self._add_forces("forces at points", whole, amplitude)
 
     def line(self, edge, force, amplitude=None):
         """Force per length (3,) or function of points (k, 3) -> (k, 3) [N/m] along a named edge."""
-        self._add_forces(self._along(edge, force, "line load", "N/m"), amplitude)
+        self._add_forces("forces on lines", self._along(edge, force, "line load", "N/m"), amplitude)
 
     def surface(self, traction, amplitude=None):
         """Dead traction (3,) or function of points (k, 3) -> (k, 3) [Pa] on the whole surface."""
@@ -48,34 +53,41 @@ class Loads:
             value = _field(traction, at, "traction", "Pa") * weights[:, None]
             for i, node in enumerate(surface.cells.T):
                 np.add.at(whole, node, shape[i] * value)
-        self._add_forces(whole, amplitude)
+        self._add_forces("dead tractions", whole, amplitude)
 
     def gravity(self, acceleration=(0.0, 0.0, -9.81), amplitude=None):
         """Weight by an acceleration (3,) [m/s^2]; needs the fabric's areal mass."""
         g = _vector(acceleration, "gravity", "m/s^2")
         if self.areal_mass is None:
             raise ValueError("gravity needs a fabric with a density or an areal mass")
+        _check(amplitude)
+        if not g.any():
+            return
         # on the nodal areas of the lumped mass: in free fall all nodes fall alike
-        self._add_forces(
-            self.areal_mass * nodal_areas(self.partition.surface)[:, None] * g, amplitude
-        )
+        areas = nodal_areas(self.partition.surface)
+        self._add_forces("gravity", self.areal_mass * areas[:, None] * g, amplitude)
 
     def edge_moment(self, edge, moment, amplitude=None):
         """Moment per length (3,) [N m/m], fixed in space, on the directors of a named edge."""
-        self._add_moments(self._along(edge, moment, "edge moment", "N m/m"), amplitude)
+        self._add_moments(
+            "moments on lines", self._along(edge, moment, "edge moment", "N m/m"), amplitude
+        )
 
     def point_moment(self, where, moment, amplitude=None):
         """Moment (3,) [N m], fixed in space, on the director of each node at a place."""
         whole = np.zeros_like(self.partition.surface.points)
         whole[self.partition.find(where)] = _vector(moment, "moment", "N m")
-        self._add_moments(whole, amplitude)
+        self._add_moments("moments at points", whole, amplitude)
 
     def pressure(self, pressure, amplitude=None):
         """Pressure [Pa] that stays normal to the moving surface, positive towards the director."""
         if np.ndim(pressure) != 0 or not np.isfinite(pressure):
             raise ValueError(f"pressure must be one finite number of Pa, not {pressure}")
         _check(amplitude)
+        if pressure == 0:
+            return
         self.pressures.append((amplitude, float(pressure)))
+        self.named.append("pressure")
 
     def steady(self):
         """True if no load has an amplitude."""
@@ -129,12 +141,18 @@ class Loads:
                 np.add.at(whole, node, shape[i] * load)
         return whole
 
-    def _add_forces(self, whole, amplitude):
+    def _add_forces(self, kind, whole, amplitude):
         _check(amplitude)
+        if not whole.any():
+            return
+        self.named.append(kind)
         self.forces.append((amplitude, whole[self.partition.owned_nodes]))
 
-    def _add_moments(self, whole, amplitude):
+    def _add_moments(self, kind, whole, amplitude):
         _check(amplitude)
+        if not whole.any():
+            return
+        self.named.append(kind)
         owned = whole[self.partition.owned_nodes]
         nodes = np.flatnonzero(owned.any(axis=1))
         self.moments.append((amplitude, nodes, owned[nodes]))

@@ -13,6 +13,7 @@ Methods Engrg. 109, 2017). With w_ = w and dw_ = 0 the same form is the exact ta
 """
 
 import logging
+from functools import cached_property
 
 from mpi4py import MPI
 
@@ -29,6 +30,7 @@ from .element import check_warp, energy_terms, measure
 from .interpolation import locate
 from .loads import Loads
 from .partition import Partition
+from .plan import terms_of
 from .sheet import Sheet
 from .strains import configuration
 from .supports import Supports
@@ -96,7 +98,6 @@ class Shell:
         self.partition = partition = Partition(surface, comm)
         self.comm, self.mesh, self.space = comm, partition.mesh, partition.space
         self.w, self.reference = fem.Function(self.space, name="w"), fem.Function(self.space)
-        self.before, self.step = fem.Function(self.space), fem.Function(self.space)
         self.supports = Supports(partition)
         self.loads = Loads(partition, fabric.areal_mass)
         self.rest()
@@ -105,9 +106,17 @@ class Shell:
     def rest(self):
         """Put the sheet back into its reference state."""
         self.reference.x.array.reshape(-1, 6)[:, 3:] = self.partition.directors
-        for field in (self.w, self.before):
-            field.x.array[:] = self.reference.x.array
-        self.step.x.array[:] = 0.0
+        self.w.x.array[:] = self.reference.x.array
+
+    @cached_property
+    def before(self):
+        """Field w of the iterate before; made when a tangent or a form first needs it."""
+        return fem.Function(self.space)
+
+    @cached_property
+    def step(self):
+        """Change of w since `before`, or rates of w; made when first needed."""
+        return fem.Function(self.space)
 
     def take_directors(self):
         """Take over the reference directors that supports have put into their planes."""
@@ -142,17 +151,13 @@ class Shell:
         return self._compiled["strain"] + pressure
 
     def plan(self):
-        """What is modelled: the energy terms with their rules, and the loads present."""
-        terms = energy_terms(self.mesh, self.surface, self.fabric, **self.options)
-        loads = {
-            "forces": len(self.loads.forces),
-            "moments": len(self.loads.moments),
-            "pressures": len(self.loads.pressures),
-        }
+        """What is modelled: element, terms, where in the cell they are evaluated, and the loads."""
+        energy = energy_terms(self.mesh, self.surface, self.fabric, **self.options)
         return {
             "element": f"{self.surface.kind} of degree {self.surface.degree}",
-            "terms": [f"{term.name} at {term.rule}" for term in terms],
-            "loads": {kind: count for kind, count in loads.items() if count},
+            "terms": terms_of(self.fabric, thick=self.options["thick"]),
+            "evaluated": [f"{term.name} at {term.rule}" for term in energy],
+            "loads": self.loads.kinds(),
         }
 
     def displacements(self):

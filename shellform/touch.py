@@ -21,7 +21,15 @@ import dolfinx
 from dolfinx import fem
 
 from contact.correction import Correction
-from contact.samples import book_loss, collect, midpoints, particle_masses, shares, spread
+from contact.samples import (
+    book_loss,
+    collect,
+    midpoints,
+    particle_masses,
+    shares,
+    spread,
+    too_thin,
+)
 
 from .partition import DOLFINX_ORDER
 
@@ -44,6 +52,7 @@ class Touch:
     correction : contact.Correction, with its counters and ledgers, those of samples included
     inner : Correction of the samples, or None
     seconds : float, spent in contact
+    notes : list of str, ellipsoids that can pass between the points that are met
 
     Raises
     ------
@@ -65,6 +74,9 @@ class Touch:
         self.inner = None
         if not (isinstance(samples, str) and samples == "nodes") and samples != 0:
             self._inside(stepper, body, friction, offset, midpoints(samples))
+        k = 0 if isinstance(samples, str) else samples
+        size = stepper.shell.surface.mean_cell_size
+        self.notes = too_thin(body.names, body.radii, size, offset, k)
         stepper.hooks.append(self)
         stepper.keep_old_velocities()
 
