@@ -32,7 +32,7 @@ def smooth(points, directors, cells, parts):
 
     Returns
     -------
-    facets : (m parts^2, 4, 3); sides : (k, 2, 3), pieces of the cells' sides
+    facets : (m parts^2, 4, 3); sides : (k, 2, 3), pieces of the cells' sides, each side once
     """
     x, d = points[cells], directors[cells]
     a = np.linspace(0, 1, parts + 1)
@@ -49,9 +49,17 @@ def smooth(points, directors, cells, parts):
     place += (along + across)[..., None] * normal
     corners = [place[:, :-1, :-1], place[:, 1:, :-1], place[:, 1:, 1:], place[:, :-1, 1:]]
     facets = np.stack(corners, axis=3).reshape(-1, 4, 3)
-    borders = [place[:, :, 0], place[:, :, -1], place[:, 0], place[:, -1]]
-    sides = [np.stack([p[:, :-1], p[:, 1:]], axis=2).reshape(-1, 2, 3) for p in borders]
-    return facets, np.concatenate(sides)
+    borders = np.concatenate([place[:, :, 0], place[:, :, -1], place[:, 0], place[:, -1]])
+    ends = np.concatenate([cells[:, pair] for pair in ([0, 1], [3, 2], [0, 3], [1, 2])])
+    once = np.unique(np.sort(ends, axis=1), axis=0, return_index=True)[1]
+    sides = np.stack([borders[once, :-1], borders[once, 1:]], axis=2).reshape(-1, 2, 3)
+    return facets, sides
+
+
+def facing(facets, eye):
+    """Of the facets (m, k, 3) of a closed surface those that look at the eye (3,)."""
+    normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
+    return facets[normal @ eye > 0]
 
 
 def facets_and_sides(points, directors, cells):
@@ -71,7 +79,8 @@ def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
     Parameters
     ----------
     axes : matplotlib axes
-    surfaces : list of (facets (m, k, 3), sides (s, 2, 3) or None, front colour, back colour, back)
+    surfaces : list of (facets (m, k, 3), sides (s, 2, 3), True for the facets' own outlines, or
+        None, front colour, back colour, back)
         A facet shows its front colour where its normal looks at the eye. `back` [m] moves a surface
         away from the eye when it is decided what hides what, as for a body under a cloth.
     azimuth, elevation : float, degrees
@@ -93,9 +102,10 @@ def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
         seen = facets @ view.T
         polygons.extend(seen[:, :, :2])
         faces.append(colour)
-        edges.append(colour)
+        outlined = sides is True
+        edges.append(np.tile(to_rgba(EDGE), (len(facets), 1)) if outlined else colour)
         depths.append(seen[:, :, 2].mean(axis=1) - away)
-        if sides is not None:
+        if sides is not None and not outlined:
             seen = sides @ view.T
             polygons.extend(seen[:, :, :2])
             faces.append(np.zeros((len(sides), 4)))

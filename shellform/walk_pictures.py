@@ -15,6 +15,7 @@ from .pictures import (
     CLOTH,
     draw_surfaces,
     ellipsoid_facets,
+    facing,
     new_figure,
     save_animation,
     save_figure,
@@ -56,11 +57,13 @@ def draw_clothed(axes, frame, wearer, view=VIEW, parts=2, without=()):
     skin = [ellipsoid_facets(pose.centres[k], pose.axes[k], wearer.radii[k], 24) for k in shown]
     if frame.cells.shape[1] == 4:
         facets, sides = smooth(frame.points, frame.directors, frame.cells, parts)
+        sides = sides if parts > 1 else True
     else:
         facets, sides = frame.points[frame.cells[:, :3]], None
     size = np.linalg.norm(facets[:, 2] - facets[:, 0], axis=1).mean() * parts
     # cells are flat and the body is round: cloth wins where they are this close
-    solids = [(patch, None, SKIN, SKIN, 0.7 * size) for patch in skin]
+    eye = view_axes(*view)[2]
+    solids = [(facing(patch, eye), None, SKIN, SKIN, 0.7 * size) for patch in skin]
     draw_surfaces(axes, [(facets, sides, CLOTH, BACK, 0.0), *solids], *view)
     return np.concatenate([frame.points, *(patch.reshape(-1, 3) for patch in skin)])
 
@@ -155,10 +158,12 @@ def walk_animation(path, wearer, frames, seconds, obstacle=None):
 
     images, view = [], view_from_the_right(wearer)
     right, up, _ = view_axes(*view)
+    figure = Figure(figsize=(4, 5), dpi=70)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0, 0, 1, 1))
     for frame in frames:
-        figure = Figure(figsize=(4, 5), dpi=70)
-        FigureCanvasAgg(figure)
-        axes = figure.add_axes((0, 0, 1, 1))
+        for drawn in [*axes.collections, *axes.patches]:
+            drawn.remove()
         corners = draw_clothed(axes, frame, wearer, view, parts=1)
         if obstacle is not None:
             draw_box(axes, *obstacle, view)
