@@ -161,3 +161,18 @@ def test_drape_is_the_same_on_any_number_of_ranks(tmp_path):
         assert other["mean_height"] == pytest.approx(heights[0]["mean_height"], rel=1e-9)
         assert other["contact_force"] == pytest.approx(heights[0]["contact_force"], rel=1e-7)
         assert other["free_corner"] == pytest.approx(heights[0]["free_corner"], rel=1e-9)
+
+
+def test_profile_of_a_step(tmp_path):
+    """Parts add up to the whole, and counted operations are those of the force that is run."""
+    done = run("demos/profile_step.py", "--cells", 8, "--seconds", 0.05, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    results = json.loads((tmp_path / "summary.json").read_text())["results"]
+    for found in results["columns"].values():
+        whole = found.pop("all")
+        assert sum(found.values()) == pytest.approx(whole, rel=1e-9)
+        assert found["internal force"] > 0 and found["contact"] > 0
+    counted = results["operations_a_cell"]
+    assert 1000 < counted["undamped"] < counted["damped"]
+    assert min(results["limits"].values()) > 1e8
+    assert done.stdout.splitlines()[0].count("|") == 2 + len(results["columns"])
