@@ -219,6 +219,11 @@ class Equilibrium:
 
         Reactions of an iterate off the solution can exceed the loads by many orders.
         """
+        loads, reactions = self.pushes()
+        return loads or reactions
+
+    def pushes(self):
+        """Norms [N] of the loads, inertia among them, and of the reactions."""
         external = np.zeros((self.n_owned, 5))
         self.shell.loads.force_at(self.level, external[:, :3], self.load_factor)
         nodes, moments = self.shell.loads.moment_at(self.level, self.load_factor)
@@ -229,8 +234,8 @@ class Equilibrium:
             external[self.held[: self.n_owned]] = 0.0
         parts = np.array([np.sum(external**2), np.sum(self.reaction**2)])
         parts[0] += (self.pressure * self.shell.surface.area) ** 2 / len(self.shell.surface.points)
-        loads, reactions = np.sqrt(self.shell.comm.allreduce(parts))
-        return float(loads or reactions)
+        loads, reactions = np.sqrt(self.shell.comm.allreduce(parts)).tolist()
+        return loads, reactions
 
     def roundoff(self):
         """Norm of the residual [N] that roundoff of the membrane strain alone can make.
