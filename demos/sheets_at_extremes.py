@@ -12,11 +12,12 @@ Four problems, each with an exact answer at any thickness, modulus, size and sha
 import numpy as np
 
 import meshes
+from meshes.geometry import widest_corners
 from shellform import Fabric, Shell, Statics
 from shellform.implicit import ImplicitNewmark
+from shellform.inertia import ROTARY_SCALE
 from shellform.laminate import turn
 from shellform.newmark import Newmark
-from shellform.statics import NotConverged
 
 LENGTH = 12.0  # m, of the strip that is rolled up
 MODULUS, DENSITY = 1.2e6, 1000.0
@@ -93,14 +94,6 @@ def leaning(cells, degrees, length=1.0, width=1.0):
     return rows
 
 
-def widest(surface):
-    """Largest angle [degrees] at a corner of a cell."""
-    x = surface.points[surface.cells]
-    ahead, behind = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
-    area = np.linalg.norm(np.cross(ahead, behind), axis=2)
-    return float(np.degrees(np.arctan2(area, (ahead * behind).sum(axis=2))).max())
-
-
 def pulled(fabric, degrees=30.0, cells=(4, 4), length=1.0, width=1.0, strain=1e-3, **mesh):
     """Pull a sheet whose warp lies at an angle along x, free to contract and to shear.
 
@@ -133,7 +126,8 @@ def pulled(fabric, degrees=30.0, cells=(4, 4), length=1.0, width=1.0, strain=1e-
     F[1, 1] = np.sqrt(1 + 2 * E[1] - F[0, 1] ** 2)
     exact = surface.points @ (F - np.eye(3)).T
     error = np.abs(shell.displacements() - exact).max() / np.abs(exact).max()
-    return {"error": float(error), "widest": widest(surface)}
+    widest = float(widest_corners(surface.points, surface.cells).max())
+    return {"error": float(error), "widest": widest}
 
 
 def thrown(fabric, size=1.0, speed=0.02, cells=(4, 4), origin=None, aspect=1.0, **settings):
@@ -261,7 +255,7 @@ def swung(part, until=0.1, implicit=False, forced=False):
     shell = curtain()
     if implicit:
         stable = Newmark(curtain(), 1.0).critical_dt
-        stepper = ImplicitNewmark(shell, part * stable, alpha=-0.1)
+        stepper = ImplicitNewmark(shell, part * stable, rotary_scale=ROTARY_SCALE)
     else:
         stepper = Newmark(shell, 0.3 if forced else part)
         if forced:
@@ -273,11 +267,33 @@ def swung(part, until=0.1, implicit=False, forced=False):
     return places, stepper
 
 
-def not_moved(levels=2):
+def at_rest():
     """Largest displacement [m] of a held sheet under no load, and Newton iterations."""
-    shell = curtain()
-    shell.loads.kinds and None
-    return shell
+    shell = Shell(meshes.rectangle(1.0, 1.0, (4, 4)), strip())
+    shell.supports.clamp("left")
+    with Statics(shell) as statics:
+        statics.solve(2)
+        iterations = max(step.iterations for step in statics.steps)
+    return float(np.abs(shell.displacements()).max()), iterations
+
+
+def loose(joined):
+    """Load a sheet that is free to move: as a whole, or a half hung on one point (a mechanism)."""
+    if joined:
+        points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 1, 0], [2, 2, 0], [1, 2, 0]]
+        surface = meshes.Surface(np.array(points, float), np.array([[0, 1, 2, 3], [2, 4, 5, 6]]))
+        shell = Shell(surface, strip())
+        every = np.arange(len(points))
+        shell.supports.hold(every, "z")
+        shell.supports.hold_director(every)
+        shell.supports.hold(np.array([0, 1, 3]), "xy")
+        shell.loads.point(np.array([5]), (1.0, -1.0, 0.0))
+    else:
+        shell = Shell(meshes.rectangle(1.0, 1.0, (2, 2)), strip())
+        shell.loads.gravity()
+    with Statics(shell) as statics:
+        statics.solve(2)
+    return float(np.abs(shell.displacements()).max())
 
 
 def million(side=1000, steps=5):

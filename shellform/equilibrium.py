@@ -240,14 +240,25 @@ class Equilibrium:
     def roundoff(self):
         """Norm of the residual [N] that roundoff of the membrane strain alone can make.
 
-        Strains are differences of numbers of order one, and of displacements over a cell size h:
-        they carry an error eps (1 + u/h), their force A h times that.
+        Strains are differences of numbers of order one, and of displacements over the shorter
+        side h of a cell: they carry an error eps (1 + u/h), their force A l times that, with the
+        longer side l.
         """
         w = self._w()[: self.n_owned, :3]
         largest = self.shell.comm.allreduce(np.abs(w).max(initial=0.0), op=MPI.MAX)
+        longer, ratio = self._sides
+        size = longer + ratio * largest
+        points = self.shell.partition.surface.points
+        return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(points))
+
+    @functools.cached_property
+    def _sides(self):
+        """Means over the cells of the longer side [m] and of its ratio to area over it."""
         surface = self.shell.partition.surface
-        size = surface.mean_cell_size + largest
-        return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(surface.points))
+        corners = surface.points[surface.cells[:, : 3 if surface.cells.shape[1] == 3 else 4]]
+        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
+        slender = np.maximum(1.0, sides**2 / surface.cell_areas)
+        return max(float(sides.mean()), surface.mean_cell_size), float(slender.mean())
 
     def forces(self, stress_from=None):
         """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""

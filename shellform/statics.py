@@ -116,10 +116,16 @@ class Statics:
                 f"{roundoff:.2g} N: a sheet this thin bends under less than its stretch resolves. "
                 "Take more thickness, more bending stiffness or less membrane stiffness"
             )
-        return (
+        advice = (
             "Past a limit point or buckling, prescribe a displacement (supports.move) or use "
             "dynamics"
         )
+        if not self.steps:
+            advice += (
+                ". As nothing has converged yet, look too for a part that hangs on one point, "
+                "and for needle-like cells"
+            )
+        return advice
 
     def _watch_loads(self):
         """Warn once where a solve ends though nothing is solved: the loads are below roundoff."""
