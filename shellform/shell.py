@@ -13,6 +13,7 @@ Methods Engrg. 109, 2017). With w_ = w and dw_ = 0 the same form is the exact ta
 """
 
 import logging
+import warnings
 from functools import cached_property
 
 from mpi4py import MPI
@@ -25,6 +26,7 @@ from dolfinx.fem import petsc as fem_petsc
 from ufl.algorithms import expand_derivatives
 
 from meshes import Surface
+from meshes.geometry import widest_corners
 
 from .element import check_warp, energy_terms, measure
 from .interpolation import locate
@@ -275,8 +277,8 @@ def warn_of_corners(surface):
     worst, count = int(widest.argmax()), int((widest > 150.0).sum())
     if count:
         warnings.warn(
-            f"cell {worst} of {surface.source} has a corner of {widest[worst]:.0f} degrees ({count} "
-            "cells have more than 150): quads that lean so much are too stiff in bending, cut them "
+            f"cell {worst} of {surface.source} has a corner of {widest[worst]:.0f} degrees (more "
+            f"than 150 in {count} cells): quads that lean so much are too stiff in bending, cut them "
             "into triangles or mesh this place again",
             stacklevel=3,
         )

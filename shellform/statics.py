@@ -14,7 +14,6 @@ from . import floating
 from .equilibrium import Equilibrium
 from .newton import Newton
 
-
 NEAR = 100.0  # times roundoff: loads below it may be lost in it
 
 
