@@ -51,6 +51,16 @@ def node_crosses(points, cells):
     return np.concatenate([crosses, np.cross(along, inward), at_centre[:, None]], axis=1)
 
 
+def widest_corners(points, cells):
+    """Largest angle [degrees] (cells,) between the straight sides at the corners of each cell."""
+    corners = points[cells[:, : 3 if cells.shape[1] == 3 else 4]]
+    sides = np.roll(corners, -1, axis=1) - corners
+    behind = np.roll(sides, 1, axis=1)  # runs towards the corner
+    lengths = np.linalg.norm(sides, axis=2)
+    cosine = -np.einsum("mni,mni->mn", sides, behind) / (lengths * np.roll(lengths, 1, axis=1))
+    return np.degrees(np.arccos(np.clip(cosine.min(axis=1), -1.0, 1.0)))
+
+
 def cell_areas(points, cells):
     """Area of each cell (m,)."""
     lengths = np.linalg.norm(node_crosses(points, cells), axis=2)

@@ -219,6 +219,11 @@ class Equilibrium:
 
         Reactions of an iterate off the solution can exceed the loads by many orders.
         """
+        loads, reactions = self.pushes()
+        return loads or reactions
+
+    def pushes(self):
+        """Norms [N] of the loads, inertia among them, and of the reactions."""
         external = np.zeros((self.n_owned, 5))
         self.shell.loads.force_at(self.level, external[:, :3], self.load_factor)
         nodes, moments = self.shell.loads.moment_at(self.level, self.load_factor)
@@ -229,20 +234,31 @@ class Equilibrium:
             external[self.held[: self.n_owned]] = 0.0
         parts = np.array([np.sum(external**2), np.sum(self.reaction**2)])
         parts[0] += (self.pressure * self.shell.surface.area) ** 2 / len(self.shell.surface.points)
-        loads, reactions = np.sqrt(self.shell.comm.allreduce(parts))
-        return float(loads or reactions)
+        loads, reactions = np.sqrt(self.shell.comm.allreduce(parts)).tolist()
+        return loads, reactions
 
     def roundoff(self):
         """Norm of the residual [N] that roundoff of the membrane strain alone can make.
 
-        Strains are differences of numbers of order one, and of displacements over a cell size h:
-        they carry an error eps (1 + u/h), their force A h times that.
+        Strains are differences of numbers of order one, and of displacements over the shorter
+        side h of a cell: they carry an error eps (1 + u/h), their force A l times that, with the
+        longer side l.
         """
         w = self._w()[: self.n_owned, :3]
         largest = self.shell.comm.allreduce(np.abs(w).max(initial=0.0), op=MPI.MAX)
+        longer, ratio = self._sides
+        size = longer + ratio * largest
+        points = self.shell.partition.surface.points
+        return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(points))
+
+    @functools.cached_property
+    def _sides(self):
+        """Means over the cells of the longer side [m] and of its ratio to area over it."""
         surface = self.shell.partition.surface
-        size = surface.mean_cell_size + largest
-        return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(surface.points))
+        corners = surface.points[surface.cells[:, : 3 if surface.cells.shape[1] == 3 else 4]]
+        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
+        slender = np.maximum(1.0, sides**2 / surface.cell_areas)
+        return max(float(sides.mean()), surface.mean_cell_size), float(slender.mean())
 
     def forces(self, stress_from=None):
         """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""

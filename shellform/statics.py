@@ -14,6 +14,8 @@ from . import floating
 from .equilibrium import Equilibrium
 from .newton import Newton
 
+NEAR = 100.0  # times roundoff: loads below it may be lost in it
+
 
 class NotConverged(RuntimeError):
     """No solution at some load level after every cut-back; the last good state is kept."""
@@ -46,7 +48,7 @@ class Statics:
         self.shell, self.equilibrium = shell, Equilibrium(shell, mip)
         self.steps, self.cutbacks, self.level = [], 0, 0.0
         self.newton = Newton(self.equilibrium, prefix)
-        self._pace = 0.0
+        self._pace, self._told = 0.0, False
 
     def march(self, levels, smallest=2.0**-10):
         """Solve at each load level in turn, cutting steps back where Newton fails.
@@ -83,8 +85,7 @@ class Statics:
             if step is None:
                 raise NotConverged(
                     f"no equilibrium found just beyond level {self.level:.6g} (SNES: "
-                    f"{self.newton.reason}), whose state is kept. Past a limit point or buckling, "
-                    "prescribe a displacement (supports.move) or use dynamics"
+                    f"{self.newton.reason}), whose state is kept. {self._advice(goal)}"
                 )
             yield step
 
@@ -99,7 +100,44 @@ class Statics:
         self.level = target
         self.steps.append(step)
         self._watch_jumps(step, start, eq.largest_change(state))
+        self._watch_loads()
         return step
+
+    def _advice(self, goal):
+        """What to do where no step from the present level to a goal converges."""
+        eq = self.equilibrium
+        eq.level = goal
+        loads, roundoff = eq.pushes()[0], eq.roundoff()
+        eq.level = self.level
+        if 0 < loads < NEAR * roundoff:
+            return (
+                f"The loads, {loads:.2g} N, are near the roundoff of the membrane's forces, "
+                f"{roundoff:.2g} N: a sheet this thin bends under less than its stretch resolves. "
+                "Take more thickness, more bending stiffness or less membrane stiffness"
+            )
+        advice = (
+            "Past a limit point or buckling, prescribe a displacement (supports.move) or use "
+            "dynamics"
+        )
+        if not self.steps:
+            advice += (
+                ". As nothing has converged yet, look too for a part that hangs on one point, "
+                "and for needle-like cells"
+            )
+        return advice
+
+    def _watch_loads(self):
+        """Warn once where a solve ends though nothing is solved: the loads are below roundoff."""
+        loads, roundoff = self.equilibrium.pushes()[0], self.equilibrium.roundoff()
+        if self._told or not 0 < loads <= roundoff:
+            return
+        self._told = True
+        if not self.shell.comm.rank:
+            warnings.warn(
+                f"at level {self.level:.6g} the loads, {loads:.2g} N, are below the roundoff of "
+                f"the membrane's forces, {roundoff:.2g} N: what they do is not resolved",
+                stacklevel=5,
+            )
 
     def _watch_jumps(self, step, start, change):
         if step.level == start:

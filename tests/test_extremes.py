@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Sheets and solvers at the extremes against exact answers: right, told, or refused."""
+
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "demos"))
+
+import sheets_at_extremes as sheets
+from extremes_of_sheets import ortho, row
+from sheets_at_extremes import rolled, strip
+
+import meshes
+from shellform import Fabric, NotConverged, Shell, Statics
+from shellform.fabric import FabricError
+from shellform.newmark import Newmark
+
+pytestmark = pytest.mark.filterwarnings("ignore::shellform.fabric.UnitWarning")
+
+EPS = np.finfo(float).eps
+QUADS = 0.0066 * (2 * np.pi / 16) ** 6  # what 16 quads leave of a turn, see roll_up.cells_for
+
+
+def of_turn(out):
+    """The tip is where 16 quads of any strip have it, within a tenth of their own error."""
+    return out["cutbacks"] == 0 and abs(out["error"] - 2.54e-5) < 0.1 * QUADS
+
+
+@pytest.fixture(scope="module")
+def flight():
+    """The flight that all units and places must repeat."""
+    return sheets.tumbled(strip(1e-3), steps=400)["places"]
+
+
+def same(one, other, bar):
+    return np.abs(one - other).max() <= bar * np.abs(other).max()
+
+
+# ---------------------------------------------------------------- fabrics
+
+
+@pytest.mark.parametrize("ratio", [1e-1, 1e-3, 1e-6])
+def test_thickness(ratio):
+    """Rolled up thick or thin; the exact answer of a thick strip includes its stretch."""
+    out = rolled(strip(ratio * sheets.LENGTH))
+    assert out["error"] < 2 * QUADS and out["cutbacks"] == 0
+    flown = sheets.tumbled(strip(ratio))
+    assert max(flown["momentum"], flown["turning"]) < 1e-12 and flown["energy"] < 1e-4
+
+
+def test_the_thick_strip_stretches_as_it_rolls():
+    """At a tenth of the length the stretch moves the tip by 7 %: more cells show it to be exact."""
+    out = rolled(strip(0.1 * sheets.LENGTH), cells=(64, 1))
+    assert out["error"] < 1e-7
+
+
+@pytest.mark.parametrize("ratio", [1e-7, 1e-8])
+def test_too_thin_for_statics_is_told(ratio):
+    """Where loads that bend are below the roundoff of the stretch, the sentence says so."""
+    with pytest.raises(NotConverged, match=r"loads, .* N, are near the roundoff .* thickness"):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            rolled(strip(ratio * sheets.LENGTH))
+
+
+def test_loads_below_roundoff_are_told(comm):
+    """What ends at once because nothing is above roundoff is no answer; no load at all is one."""
+    fabric = strip(1e-3, 1e6, bending_stiffness=1e-32)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        out = rolled(fabric, length=1.0, width=0.1)
+        assert sheets.at_rest() == (0.0, 0)
+    said = [str(one.message) for one in told if "not resolved" in str(one.message)]
+    assert out["error"] > 0.5
+    assert len(said) == (1 if comm.rank == 0 else 0)
+
+
+@pytest.mark.parametrize("modulus", [1e2, 1e12])
+def test_modulus(modulus, flight):
+    """E only sets the unit of time."""
+    assert of_turn(rolled(strip(1e-3 * sheets.LENGTH, modulus)))
+    assert same(sheets.tumbled(strip(1e-3, modulus), steps=400)["places"], flight, 1e-12)
+
+
+@pytest.mark.parametrize("density", [1.0, 1e4])
+def test_density(density, flight):
+    fabric = Fabric.isotropic(1.2e6, 0.0, 1e-3, density)
+    assert same(sheets.tumbled(fabric, steps=400)["places"], flight, 1e-12)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e4])
+def test_warp_over_weft(ratio):
+    """Bent along either yarn, pulled off both."""
+    for across in (False, True):
+        assert of_turn(rolled(ortho(1e7, 1e7 / ratio, 0.0, 1e-3 * sheets.LENGTH), across=across))
+    assert sheets.pulled(ortho(1e7, 1e7 / ratio, 0.3))["error"] < 1e-8
+
+
+def test_bending_of_nothing_is_refused():
+    for D in (0.0, -1e-7, np.nan):
+        with pytest.raises(FabricError, match="bending"):
+            strip(1e-3, bending_stiffness=D)
+    assert of_turn(
+        rolled(strip(1e-3, 1e6, bending_stiffness=1e-9), length=1.0, width=0.1)
+    )  # a hundredth of the softest cloth
+
+
+@pytest.mark.parametrize("poisson", [-1 + 1e-6, -0.9, 0.4999999, 0.5])
+def test_poisson_at_its_limits(poisson):
+    """Wide sheets kept from contracting roll up to the same circle."""
+    assert of_turn(rolled(strip(poisson=poisson), width=12.0, cells=(16, 4)))
+
+
+def test_poisson_beyond_its_limits_is_refused():
+    for poisson in (-1.0, 0.51, np.nan):
+        with pytest.raises(FabricError, match="poisson_ratio"):
+            strip(poisson=poisson)
+    for short in (0.0, -1e-3, 1e-12):
+        with pytest.raises(FabricError, match="nu12"):
+            ortho(4e7, 1e7, 2 * np.sqrt(1 - short))
+
+
+@pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9])
+def test_orthotropic_limit(short):
+    """A uniform strain keeps the digits that 1 - nu12 nu21 leaves of the stiffness."""
+    assert sheets.pulled(ortho(4e7, 1e7, 2 * np.sqrt(1 - short)))["error"] < 100 * EPS / short
+
+
+# ---------------------------------------------------------------- cells
+
+
+def test_one_cell_and_more():
+    """A tenth of a turn by 1, 2 and 4 quads: sixth order."""
+    errors = [rolled(strip(), turns=0.1, cells=(n, 1))["error"] for n in (1, 2, 4)]
+    assert errors[0] < 2 * 0.0066 * (0.2 * np.pi) ** 6
+    assert np.all(np.log2(np.divide(errors[:-1], errors[1:])) > 5.5)
+
+
+@pytest.mark.parametrize("aspect", [0.01, 100.0])
+def test_aspect_of_cells(aspect):
+    """A hundred times longer along the bend than across, and the other way round."""
+    assert rolled(strip(), width=sheets.LENGTH / 16 * aspect)["error"] < 1.1 * 2.54e-5
+    flown = sheets.tumbled(strip(1e-3), aspect=1 / aspect)
+    assert max(flown["momentum"], flown["turning"]) < 1e-12 and flown["energy"] < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("length", "width", "strain"), [(12.0, 0.8, 1e-3), (100.0, 0.5, 1e-3), (1000.0, 1.0, 1e-7)]
+)
+def test_uniform_strain_on_leaning_cells(length, width, strain):
+    """Corners of 170 degrees, cells up to a thousand times longer than wide: the patch test.
+
+    Newton must know the roundoff of slender cells, which is that of their longer side.
+    """
+    cells = (4, 4)
+    lines = sheets.leaning(cells, 170.0, length, width)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        out = sheets.pulled(
+            ortho(1e7, 1e6, 0.3), cells=cells, length=length, width=width, strain=strain,
+            parameters=lines,
+        )  # fmt: skip
+    slender = (length / width) ** 2
+    assert out["widest"] > 169.9
+    assert out["error"] < EPS / strain * slender
+
+
+def test_leaning_quads_are_told(comm):
+    """Bent, quads with corners of 150 degrees are wrong by 2 %; triangles are not."""
+    lines = sheets.leaning((16, 2), 151.0, sheets.LENGTH, 0.2)
+    options = {"cells": (16, 2), "width": 0.2, "parameters": lines}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        quads = rolled(strip(), **options)
+        triangles = rolled(strip(), triangles=True, **options)
+    said = [str(one.message) for one in told if "corner of 151 degrees" in str(one.message)]
+    assert len(said) == (1 if comm.rank == 0 else 0)
+    assert quads["error"] > 0.01
+    assert triangles["error"] < 1e-3
+
+
+# ---------------------------------------------------------------- lengths and places
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e3])
+def test_micrometres_and_kilometres(size, flight):
+    assert of_turn(rolled(strip(1e-3 * size), length=size, width=size / 12))
+    flown = sheets.tumbled(strip(1e-3 * size), steps=400, size=size)["places"]
+    assert same(flown, flight, 1e-9)  # thickness and size are rounded apart
+
+
+@pytest.mark.parametrize("far", [1e6, 1e8])
+def test_origin_far_away(far):
+    """What is lost is the digits of the coordinates, eps times the distance."""
+    away = far * np.array([0.6, 0.64, 0.48])
+    lost = np.spacing(far)
+    near = sheets.tumbled(strip(1.1e-3), steps=400, size=1.1)["places"]
+    there = sheets.tumbled(strip(1.1e-3), steps=400, size=1.1, origin=1.1 * away)["places"]
+    assert 0 < np.abs(there - near).max() < 10 * lost
+    out = rolled(strip(), length=11.7, origin=11.7 * away)
+    assert abs(out["error"] - rolled(strip(), length=11.7)["error"]) < 10 * lost
+
+
+# ---------------------------------------------------------------- turns and steps
+
+
+def test_twenty_turns_strain_nothing():
+    """An edge led round statically, a strip spun: no strain but the centrifugal one."""
+    assert sheets.turned_round(20)["strain"] < 1e-12
+    out = sheets.spun(20)
+    assert 0 < out["strain"] <= out["bound"]
+    assert out["turning"] < EPS * out["steps"]
+
+
+def test_explicit_steps(comm):
+    """Up to the stable step the error falls with its square; beyond it is refused or cut back."""
+    fine = sheets.swung(0.05)[0]
+    size = np.abs(fine).max()
+    errors = [np.abs(sheets.swung(part)[0] - fine).max() / size for part in (1.0, 0.25)]
+    assert errors[0] < 1e-3 and errors[0] / errors[1] > 3
+    for part in (1.5, 10.0):
+        with pytest.raises(ValueError, match="a part of the largest stable one"):
+            sheets.swung(part)
+    places, stepper = sheets.swung(10.0, forced=True)
+    assert stepper.rewind.cutbacks > 0
+    assert np.abs(places - fine).max() / size < 1e-3
+
+
+def test_implicit_steps():
+    """From the stable step to a thousand of it: solved, with an error of second order at first."""
+    fine = sheets.swung(0.05)[0]
+    size = np.abs(fine).max()
+    errors = [
+        np.abs(sheets.swung(part, implicit=True)[0] - fine).max() / size
+        for part in (1.0, 10.0, 1000.0)
+    ]
+    assert errors[0] < 1e-3 and errors[1] < 1e-2
+    assert np.isfinite(errors[2]) and errors[2] < 0.5
+
+
+def test_one_load_step_for_a_turn():
+    """Cut back as often as it takes; the answer is that of small steps."""
+    out = rolled(strip(), levels=1)
+    assert out["cutbacks"] > 0
+    assert abs(out["error"] - 2.54e-5) < 0.1 * QUADS
+
+
+def test_mechanisms():
+    """A free sheet is refused at once; half a sheet on one point finds no equilibrium."""
+    with pytest.raises(ValueError, match=r"leave a rigid motion free.*moves along x"):
+        sheets.loose(joined=False)
+    with pytest.raises(NotConverged, match=r"level 0.*hangs on one point"):
+        sheets.loose(joined=True)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_numbers_that_are_none(value):
+    """Loads, moduli and lengths that are no numbers are refused before any computation."""
+    shell = Shell(meshes.rectangle(1.0, 1.0, (2, 2)), strip())
+    shell.supports.clamp("left")
+    with pytest.raises(ValueError, match="finite"):
+        shell.loads.line("right", (value, 0, 0))
+    with pytest.raises(ValueError, match="finite"), Statics(shell) as statics:
+        statics.solve([value])
+    with pytest.raises(FabricError, match="not a positive finite number"):
+        strip(modulus=value)
+    with pytest.raises(ValueError, match="positive length"):
+        meshes.rectangle(value, 1.0, (1, 1))
+    with pytest.raises(ValueError, match="a part of the largest stable one"):
+        Newmark(shell, value)
+
+
+def test_a_table_row_says_what_is_lost():
+    """No number is not counted as met."""
+    from extremes_of_sheets import judged
+
+    assert row("a", "b", lambda: judged(np.nan, 1.0))[2].startswith("degrades")
+    assert row("a", "b", lambda: judged(0.5, 1.0))[2] == "converges"
+
+
+# ---------------------------------------------------------------- long ones
+
+
+@pytest.mark.slow
+def test_a_million_cells_fall_freely():
+    """Built and stepped: free fall is exact at any number of cells; memory as README says."""
+    out = sheets.million()
+    assert out["error"] < 1e-12
+    assert out["bytes"] < 5000
+
+
+@pytest.mark.slow
+def test_a_million_steps():
+    """Momenta drift by roundoff only, energy swings as in the first steps."""
+    short = sheets.tumbled(strip(1e-3), cells=(1, 1), steps=2000)
+    out = sheets.tumbled(strip(1e-3), cells=(1, 1), steps=1_000_000)
+    assert out["steps"] >= 990_000 and out["cutbacks"] == 0
+    assert max(out["momentum"], out["turning"]) < EPS * out["steps"]
+    assert out["energy"] < 1e-3 and np.isfinite(short["energy"])
