@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+r"""The trade between error and cost, measured: what accuracy costs, scene by scene.
+
+    python demos/trade_off.py --case roll_up --budget 60 --out out/trade_off
+    mpirun -n 2 python demos/trade_off.py --case all --budget 1200 --write
+
+runs each scene with settings of rising cost until the budget [s of the wall clock] is spent, and
+leaves trade.csv (all runs), trade.png (errors over cost with the best-choice front: no other
+setting is both cheaper and better) and summary.json in the folder, and prints the cheapest setting
+for errors of 10, 3, 1 and 0.3 %. `--write` puts what was found where `--accuracy` reads it, the
+table shellform/trade.csv; other cases keep their rows there.
+
+Costs are seconds of all ranks' processors in the solver alone, compiled before, the median of
+repeats where a run is short; memory is the most resident during the run, libraries included.
+"""
+
+import argparse
+import csv
+import gc
+import io
+import resource
+import statistics
+import time
+from pathlib import Path
+
+from mpi4py import MPI
+
+import numpy as np
+from trade_cases import CASES
+from trade_rows import rows_of
+from trade_walk import walk_case
+
+from shellform import command, trade_table
+from shellform.accuracy import LEADING, WORDS, choose
+from shellform.law import cheapest, front
+from shellform.results import Report, write_atomically
+
+COMM = MPI.COMM_WORLD
+ERRORS = (0.1, 0.03, 0.01, 0.003)
+# of a budget for all; what a case leaves goes to those after it
+SHARES = {"roll_up": 1, "capstan": 1, "strip": 1, "sleeve": 2, "drape": 8, "walk": 8}
+SHORT = 2.0  # s, a run as short is repeated
+COLUMNS = (
+    "case", "quantity", "family", "kind", "settings", "error", "reference", "uncertainty",
+    "core_seconds", "memory_mb", "repeats", "relative_cost", "starts", "ratio", "length", "nodes",
+    "steps", "time_step",
+)  # fmt: skip
+
+
+def arguments(given):
+    parser = argparse.ArgumentParser(
+        allow_abbrev=False, description="Measure error against cost, scene by scene."
+    )
+    parser.add_argument("--case", choices=(*SHARES, "all"), default="roll_up")
+    parser.add_argument("--budget", type=command.positive(float), default=120.0, help="s")
+    parser.add_argument("--write", action="store_true", help="keep the table for --accuracy")
+    parser.add_argument("--out", type=Path, default=Path("out/trade_off"))
+    return command.parse(parser, given)
+
+
+def ladder(case, budget):
+    """Run the settings of a case until the budget [s] is spent; list of (settings, found).
+
+    A run that would, by the growth of cost with cells, take more than is left is not begun.
+    """
+    runs, start, worst = [], time.perf_counter(), {}
+    warm = set()
+    for settings in case.ladder:
+        left = budget - COMM.bcast(time.perf_counter() - start)
+        before = worst.get(settings["family"])
+        if left <= 0 or (before and before[1] > left and settings["kind"] == "mesh"):
+            command.say([f"  {case.name}: no time left for {settings}"])
+            continue
+        if settings["family"] not in warm and case.name != "walk":
+            case.run(settings)  # compiles
+            warm.add(settings["family"])
+        began = time.perf_counter()
+        found = [measured(case, settings)]
+        while len(found) < 3 and found[0]["core_seconds"] < SHORT * COMM.size:
+            found.append(measured(case, settings))
+        one = dict(found[0]) | {"repeats": len(found)}
+        for key in ("core_seconds", "memory_mb"):
+            one[key] = statistics.median(f[key] for f in found)
+        runs.append((settings, one))
+        took = COMM.bcast((time.perf_counter() - began) / len(found))
+        if settings["kind"] == "mesh":
+            growth = (before[0] / one["ratio"]) ** 3 if before else 2.5
+            worst[settings["family"]] = one["ratio"], took * max(growth, 1.5)
+        command.say([f"  {case.name}: {settings} {took:.1f} s"])
+    return runs
+
+
+def measured(case, settings):
+    """One run with its peak memory [MB] over all ranks."""
+    gc.collect()
+    forget_peak()
+    found = case.run(settings)
+    return found | {"memory_mb": COMM.allreduce(peak_memory())}
+
+
+def forget_peak():
+    """Let the system count the peak of memory anew, where it can (Linux)."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5")
+    except OSError:
+        pass
+
+
+def peak_memory():
+    """Most resident memory [MB] since `forget_peak`."""
+    try:
+        for line in Path("/proc/self/status").read_text().splitlines():
+            if line.startswith("VmHWM"):
+                return float(line.split()[1]) / 1024
+    except OSError:
+        pass
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def table_text(rows, columns):
+    """Rows as CSV; numbers short."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()})
+    return text.getvalue()
+
+
+def keep(rows, names):
+    """Write the table that `--accuracy` reads; cases that were not run keep what they had."""
+    path, before = trade_table.TABLE, []
+    if path.is_file():
+        before = [row for row in trade_table.read(path) if row["case"] not in (*names, "machine")]
+    machine = {"case": "machine", "kind": "machine", "core_seconds": trade_table.machine()}
+    write_atomically(path, table_text([machine, *before, *rows], trade_table.COLUMNS))
+    for cached in (trade_table.read, trade_table.laws, trade_table.cost):
+        cached.cache_clear()
+
+
+def leading(rows, name):
+    """Rows that compete in a case: meshes, in the quantity that an error is asked of."""
+    keys = {"case": name, "quantity": LEADING[name], "kind": "mesh"}
+    return [row for row in rows if all(row[k] == v for k, v in keys.items())]
+
+
+def short(row):
+    keys = ("settings", "error", "core_seconds", "memory_mb")
+    return {key: row[key] for key in keys}
+
+
+def tell(rows, names):
+    """Print the three tables: cheapest settings, all quantities of the front, tricks."""
+    print("\nCheapest setting that keeps an error (core-seconds, MB)")
+    for name in names:
+        mine = leading(rows, name)
+        print(f"{name} ({LEADING[name]}; uncertainty {100 * mine[0]['uncertainty']:.2g} %)")
+        for error in ERRORS:
+            best = cheapest(mine, error)
+            said = "not reached" if best is None else (
+                f"{best['settings']}: {100 * best['error']:.2g} %, "
+                f"{best['core_seconds']:.2g} s, {best['memory_mb']:.0f} MB"
+            )  # fmt: skip
+            print(f"  {100 * error:4g} %  {said}")
+    print("\nSpread, half the step, tricks: what they change, cost over that of the run without")
+    for row in rows:
+        if row["kind"] in ("spread", "step", "trick"):
+            cost = f"{row['relative_cost']:.2f}" if "relative_cost" in row else ""
+            what = "half the step" if row["kind"] == "step" else row["settings"]
+            changed = f"{100 * row['error']:8.2g} %  {cost}"
+            print(f"  {row['case']:8} {row['quantity']:10} {what:34} {changed}")
+
+
+def draw(path, rows, names):
+    """Errors over cost, log-log, a panel a case, the front of the leading quantity drawn."""
+    from shellform.pictures import new_figure, save_figure
+
+    columns = min(3, len(names))
+    lines = -(-len(names) // columns)
+    title = "Error against cost; line: best choices for the quantity asked for"
+    figure, grid = new_figure(lines, (4.6 * columns, 3.9 * lines), title, columns=columns)
+    panels = np.ravel(grid)
+    for axes, name in zip(panels, names, strict=False):
+        mine = [row for row in rows if row["case"] == name and row["kind"] == "mesh"]
+        kinds = dict.fromkeys((row["quantity"], row["family"]) for row in mine)
+        quantities = list(dict.fromkeys(q for q, _ in kinds))
+        families = list(dict.fromkeys(f for _, f in kinds))
+        for quantity, family in kinds:
+            some = [r for r in mine if (r["quantity"], r["family"]) == (quantity, family)]
+            colour, mark = f"C{quantities.index(quantity)}", "os^D"[families.index(family)]
+            x, y = [r["core_seconds"] for r in some], [r["error"] for r in some]
+            axes.loglog(x, y, mark, color=colour, ms=5, mfc="none", label=f"{quantity}, {family}")
+        best = front(leading(rows, name))
+        x, y = [r["core_seconds"] for r in best], [r["error"] for r in best]
+        axes.loglog(x, y, "k-", lw=1)
+        doubt = best[0]["uncertainty"]
+        if doubt:
+            axes.axhspan(0.5 * min(y[-1], doubt), doubt, color="0.9", label="uncertain")
+        axes.set(title=name.replace("_", " "), xlabel="core-seconds", ylabel="relative error")
+        axes.legend(fontsize=7, frameon=False)
+        axes.grid(True, which="major", lw=0.3)
+    for axes in panels[len(names) :]:
+        axes.set_axis_off()
+    save_figure(figure, path)
+
+
+def main(given=None):
+    # ## Runs, scene by scene
+    options = arguments(given)
+    report = Report(options.out, "trade_off", vars(options), COMM)
+    names = list(SHARES) if options.case == "all" else [options.case]
+    rows, left, total = [], options.budget, sum(SHARES[name] for name in names)
+    for name in names:
+        case = walk_case(options.out) if name == "walk" else CASES[name]
+        budget, start = left * SHARES[name] / total, time.perf_counter()
+        command.say([f"{name}: {budget:.0f} s"])
+        with report.stage("solve"):
+            rows += rows_of(case, ladder(case, budget))
+        left -= COMM.bcast(time.perf_counter() - start)
+        total -= SHARES[name]
+        if COMM.rank == 0:
+            write_atomically(options.out / "trade.csv", table_text(rows, COLUMNS))
+
+    # ## Tables, picture, and what is kept
+    best = {name: front(leading(rows, name)) for name in names}
+    within = {
+        name: {
+            f"{100 * error:g} %": row and short(row)
+            for error in ERRORS
+            for row in [cheapest(leading(rows, name), error)]
+        }
+        for name in names
+    }
+    results = {
+        "front": [{"case": name} | short(row) for name in names for row in best[name]],
+        "cheapest": within if options.case == "all" else within[names[0]],
+    }
+    if COMM.rank == 0:
+        tell(rows, names)
+        with report.stage("output"):
+            draw(options.out / "trade.png", rows, names)
+        if options.write:
+            keep(rows, names)
+            results["words"] = {name: words(name) for name in names}
+            print(f"wrote {trade_table.TABLE}")
+    COMM.Barrier()
+    report.summary |= {"plan": {}, "cells": None, "nodes": None, "dofs": None}
+    report.write(results, steps=sum(int(row["steps"]) for row in rows), newton_iterations=0)
+    command.say([f"wrote {options.out}/trade.csv, trade.png, summary.json"])
+
+
+def words(name):
+    """What the words stand for in a case: size over length, and all errors predicted."""
+    found = {}
+    for word in WORDS:
+        choice = choose(name, word, 1.0)
+        found[word] = {"ratio": choice.ratio, "promised": choice.kept} | choice.predicted
+    return found
+
+
+if __name__ == "__main__":
+    command.run(main)

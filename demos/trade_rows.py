@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From runs to rows of a table: references where no exact value is known, errors, spreads.
+
+A reference is extrapolated from the finest meshes (Richardson) where three of them show an order,
+and is the finest itself where they do not; its uncertainty is what it differs from the finest, or
+what the two finest differ by.
+"""
+
+import numpy as np
+
+WORDS = ("kind", "family", "name")
+
+
+def rows_of(case, runs):
+    """Rows of all runs of a case; runs : list of (settings, found with repeats and memory_mb)."""
+    rows = exact_rows(case, runs) if "errors" in runs[0][1] else reference_rows(case, runs)
+    return [{"case": case.name, "length": case.length} | row for row in rows]
+
+
+def exact_rows(case, runs):
+    """Errors against exact values, with what half a step or a trick changes them to."""
+    rows = []
+    for settings, found in runs:
+        for quantity, error in found["errors"].items():
+            one = _row(settings, found, quantity) | {"error": error, "reference": "exact"}
+            one["uncertainty"] = found.get("uncertainty", 0.0)
+            if settings["kind"] in ("step", "trick"):
+                base = _base(settings, runs)
+                if base is None:
+                    continue
+                one |= {"error": abs(error - base["errors"][quantity])} | _against(found, base)
+            rows.append(one)
+    return rows
+
+
+def reference_rows(case, runs):
+    """Errors against references made from the finest meshes of the first family."""
+    first = runs[0][0]["family"]
+    ladder = [found for s, found in runs if s["kind"] == "mesh" and s["family"] == first]
+    ladder.sort(key=lambda found: -found["ratio"])
+    rows = []
+    for quantity in runs[0][1]["values"]:
+        reference, doubt = reference_of(
+            [f["ratio"] for f in ladder], [f["values"][quantity] for f in ladder]
+        )
+        size = rms(reference)
+        scalar = float(reference) if np.ndim(reference) == 0 else f"curve of rms {size:.4g}"
+        spreads, groups = [], {}
+        for settings, found in runs:
+            value = found["values"][quantity]
+            one = _row(settings, found, quantity)
+            one |= {"reference": scalar, "uncertainty": doubt / size}
+            if settings["kind"] in ("mesh", "start"):
+                groups.setdefault((settings["family"], found["ratio"]), []).append((value, one))
+                continue
+            base = _base(settings, runs)
+            if base is None:
+                continue
+            one["error"] = rms(value - base["values"][quantity]) / size
+            rows.append(one | _against(found, base))
+        for group in groups.values():
+            values, ones = zip(*group, strict=True)
+            error = np.sqrt(np.mean([rms(v - reference) ** 2 for v in values])) / size
+            rows.append(ones[0] | {"kind": "mesh", "error": float(error), "starts": len(group)})
+            if len(group) > 1:
+                mean = np.mean(values, axis=0)
+                around = sum(rms(v - mean) ** 2 for v in values) / (len(group) - 1)
+                spreads.append(np.sqrt(around) / size)
+        if spreads:
+            rows.append(
+                _row(*runs[0], quantity)
+                | {"kind": "spread", "error": float(np.sqrt(np.mean(np.square(spreads))))}
+                | {"reference": scalar, "uncertainty": doubt / size, "settings": "other starts"}
+            )
+    return rows
+
+
+def reference_of(ratios, values):
+    """Best value of a quantity and its uncertainty, from meshes in order of falling size.
+
+    ratios : (k,); values : k floats or curves (m,)
+    """
+    if len(values) == 1:
+        return np.asarray(values[0]), rms(values[0])
+    fine, apart = np.asarray(values[-1], float), rms(values[-1] - values[-2])
+    if len(values) > 2:
+        order = observed_order(ratios[-3:], values[-3:])
+        if 0.5 < order < 8:
+            by = ratios[-2] / ratios[-1]
+            best = fine + (fine - values[-2]) / (by**order - 1)
+            return best, rms(best - fine)
+    return fine, apart
+
+
+def observed_order(ratios, values):
+    """p for which the differences of three meshes go with h^p; NaN if they do not shrink alike."""
+    before, after = values[1] - values[0], values[2] - values[1]
+    if np.vdot(before, after) < 0.5 * rms(before) * rms(after) * np.size(before):
+        return np.nan
+    shrunk = rms(before) / rms(after)
+    a, b, c = ratios
+    trials = np.linspace(0.1, 8, 400)
+    left = (a**trials - b**trials) / (b**trials - c**trials) - shrunk
+    signs = np.flatnonzero(np.diff(np.sign(left)))
+    return float(trials[signs[0]]) if len(signs) else np.nan
+
+
+def rms(value):
+    return float(np.sqrt(np.mean(np.square(value))))
+
+
+def named(settings):
+    """Settings as a text."""
+    said = [f"{k} {v:g}" for k, v in settings.items() if k not in WORDS and not isinstance(v, str)]
+    return ", ".join([settings.get("name", settings["family"]), *said])
+
+
+def _row(settings, found, quantity):
+    keys = ("ratio", "core_seconds", "nodes", "steps", "time_step", "memory_mb", "repeats")
+    return {"family": settings.get("name", settings["family"]), "quantity": quantity} | {
+        "kind": settings["kind"], "settings": named(settings), **{key: found[key] for key in keys}
+    }  # fmt: skip
+
+
+def _base(settings, runs):
+    """The run on the same mesh that changes nothing, from the same dressed state where kept."""
+    found = None
+    for other, result in runs:
+        mesh = [key for key in ("cells", "around", "cell_size") if key in settings]
+        same = all(other.get(key) == settings[key] for key in [*mesh, "family"])
+        plain = ("mesh", "start") if settings["kind"] == "step" else ("mesh",)
+        if same and other["kind"] in plain:
+            found = result
+    return found
+
+
+def _against(found, base):
+    """Cost over that of the run without."""
+    return {"relative_cost": found["core_seconds"] / base["core_seconds"]}
