@@ -11,17 +11,12 @@ Kernels work in place on plain arrays of the nodes of one rank.
 import numba
 import numpy as np
 
-compiled = numba.njit(
-    # not finite stays not finite: no assumption that NaN or infinity do not occur
-    cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"}
-)  # fmt: skip
-
-SMALL = 1e-2  # square of an angle below which the series of `drift` are exact to roundoff
+compiled = numba.njit(cache=True, error_model="numpy")
 
 
 @compiled
 def kick(
-    v, q, r, force, d, held, plane, mass, inertia, drag, dt, impulse, work, v_old
+    v, q, r, force, d, held, plane, mass, inertia, drag, dt, impulse, work
 ):  # fmt: skip
     """Add the impulse of internal and external forces over dt to the velocities.
 
@@ -40,42 +35,32 @@ def kick(
     dt : float [s]
     impulse : (n, 3) [N s], the supports' push on the nodes, overwritten
     work : (4,) [J], of internal and external forces, taken by drag, of supports; added to
-    v_old : (n, 3), overwritten with v as it was
     """
     keep = (1.0 - 0.5 * dt * drag) / (1.0 + 0.5 * dt * drag)
     gain = dt / (1.0 + 0.5 * dt * drag)
-    turned = slowed = 0.0
     for i in range(v.shape[0]):
         along = r[i, 3] * d[i, 0] + r[i, 4] * d[i, 1] + r[i, 5] * d[i, 2]
         out = 0.0
         for k in range(3):
             out += (r[i, 3 + k] - along * d[i, k]) * plane[i, k]
-        light = gain / mass[i]
         for k in range(3):
-            v_old[i, k] = v[i, k]
             if held[i, k]:
                 impulse[i, k] = dt * (r[i, k] - force[i, k])
             else:
                 impulse[i, k] = 0.0
-                v[i, k] = keep * v[i, k] + light * (force[i, k] - r[i, k])
-        if not held[i, 3]:
-            light = gain / inertia[i]
-            power = square = 0.0
-            for k in range(3):
+                v[i, k] = keep * v[i, k] + gain * (force[i, k] - r[i, k]) / mass[i]
+            if not held[i, 3]:
                 turn = r[i, 3 + k] - along * d[i, k] - out * plane[i, k]
                 old = q[i, k]
-                new = keep * old - light * turn
+                new = keep * old - gain * turn / inertia[i]
                 q[i, k] = new
-                power += turn * (old + new)
-                square += (old + new) * (old + new)
-            turned += power
-            slowed += inertia[i] * square
-    work[0] -= 0.5 * dt * turned
-    work[2] += 0.25 * dt * drag * slowed
+                mean = 0.5 * dt * (old + new)
+                work[0] -= turn * mean
+                work[2] += drag * inertia[i] * mean * 0.5 * (old + new)
 
 
 @compiled
-def book(v_old, v, r, force, held, mass, drag, dt, impulse, work, totals):
+def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
     """Book a kick whose velocities went from v_old to v, contact included.
 
     Work is impulse . (v_old + v)/2 for every impulse: that of all of them is the change of kinetic
@@ -84,46 +69,22 @@ def book(v_old, v, r, force, held, mass, drag, dt, impulse, work, totals):
     Parameters
     ----------
     v_old, v : (n, 3) [m/s], before the kick and when all have had their say
+    free : (n, 3) [m/s], just after `kick`: tells what drag took
     r, force, held, mass, drag, dt, impulse, work : see kick
     totals : (3, 3) [N s], rows: impulses of loads, supports and drag on the nodes; added to
     """
-    # drag works on the mean of v_old and what `kick` made of it
-    slow = 1.0 / (1.0 + 0.5 * dt * drag)
-    half = 0.5 * dt * slow
-    inner = outer = held_work = lost = 0.0
-    l0 = l1 = l2 = s0 = s1 = s2 = 0.0
     for i in range(v.shape[0]):
-        m0, m1, m2 = v_old[i, 0] + v[i, 0], v_old[i, 1] + v[i, 1], v_old[i, 2] + v[i, 2]
-        inner += r[i, 0] * m0 + r[i, 1] * m1 + r[i, 2] * m2
-        outer += force[i, 0] * m0 + force[i, 1] * m1 + force[i, 2] * m2
-        held_work += impulse[i, 0] * m0 + impulse[i, 1] * m1 + impulse[i, 2] * m2
-        l0, l1, l2 = l0 + force[i, 0], l1 + force[i, 1], l2 + force[i, 2]
-        s0, s1, s2 = s0 + impulse[i, 0], s1 + impulse[i, 1], s2 + impulse[i, 2]
-    work[0] -= 0.5 * dt * inner
-    work[1] += 0.5 * dt * outer
-    work[3] += 0.5 * held_work
-    totals[0, 0] += dt * l0
-    totals[0, 1] += dt * l1
-    totals[0, 2] += dt * l2
-    totals[1, 0] += s0
-    totals[1, 1] += s1
-    totals[1, 2] += s2
-    if drag == 0.0:
-        return
-    l0 = l1 = l2 = 0.0
-    for i in range(v.shape[0]):
-        b0 = slow * mass[i] * v_old[i, 0] + half * (force[i, 0] - r[i, 0])
-        b1 = slow * mass[i] * v_old[i, 1] + half * (force[i, 1] - r[i, 1])
-        b2 = slow * mass[i] * v_old[i, 2] + half * (force[i, 2] - r[i, 2])
-        b0, b1, b2 = b0 * (not held[i, 0]), b1 * (not held[i, 1]), b2 * (not held[i, 2])
-        l0, l1, l2 = l0 + b0, l1 + b1, l2 + b2
-        lost += b0 * (v_old[i, 0] + v[i, 0]) + b1 * (v_old[i, 1] + v[i, 1])
-        lost += b2 * (v_old[i, 2] + v[i, 2])
-    part = drag * dt
-    work[2] += 0.5 * part * lost
-    totals[2, 0] -= part * l0
-    totals[2, 1] -= part * l1
-    totals[2, 2] -= part * l2
+        for k in range(3):
+            mean = 0.5 * (v_old[i, k] + v[i, k])
+            work[0] -= r[i, k] * dt * mean
+            work[1] += force[i, k] * dt * mean
+            work[3] += impulse[i, k] * mean
+            totals[0, k] += force[i, k] * dt
+            totals[1, k] += impulse[i, k]
+            if drag > 0.0 and not held[i, k]:
+                slowed = drag * mass[i] * dt * 0.5 * (v_old[i, k] + free[i, k])
+                work[2] += slowed * mean
+                totals[2, k] -= slowed
 
 
 @compiled
@@ -145,32 +106,27 @@ def drift(w, v, q, dt):
     """
     total = 0.0
     for i in range(w.shape[0]):
-        d0, d1, d2 = w[i, 3], w[i, 4], w[i, 5]
-        along = q[i, 0] * d0 + q[i, 1] * d1 + q[i, 2] * d2
-        q0, q1, q2 = q[i, 0] - along * d0, q[i, 1] - along * d1, q[i, 2] - along * d2
+        along = q[i, 0] * w[i, 3] + q[i, 1] * w[i, 4] + q[i, 2] * w[i, 5]
+        square = 0.0
         for k in range(3):
             w[i, k] += dt * v[i, k]
-        total += w[i, 0] + w[i, 1] + w[i, 2]
-        square = q0 * q0 + q1 * q1 + q2 * q2
-        t = dt * dt * square
-        if t == 0.0:
-            q[i, 0], q[i, 1], q[i, 2] = q0, q1, q2
+            total += w[i, k]
+            q[i, k] -= along * w[i, 3 + k]
+            square += q[i, k] * q[i, k]
+        speed = np.sqrt(square)
+        if speed * dt < 1e-150:
             continue
-        # cos a and (sin a)/a of the angle a = sqrt(t)
-        if t < SMALL:
-            c = 1.0 - t / 2 * (1.0 - t / 12 * (1.0 - t / 30 * (1.0 - t / 56 * (1.0 - t / 90))))
-            s = 1.0 - t / 6 * (1.0 - t / 20 * (1.0 - t / 42 * (1.0 - t / 72 * (1.0 - t / 110))))
-        else:
-            angle = np.sqrt(t)
-            c, s = np.cos(angle), np.sin(angle) / angle
-        s *= dt
-        x0, x1, x2 = c * d0 + s * q0, c * d1 + s * q1, c * d2 + s * q2
-        s *= square
-        q[i, 0], q[i, 1], q[i, 2] = c * q0 - s * d0, c * q1 - s * d1, c * q2 - s * d2
-        length = 1.0 / np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-        x0, x1, x2 = length * x0, length * x1, length * x2
-        w[i, 3], w[i, 4], w[i, 5] = x0, x1, x2
-        total += x0 + x1 + x2
+        c, s = np.cos(speed * dt), np.sin(speed * dt)
+        length = 0.0
+        for k in range(3):
+            d, turn = w[i, 3 + k], q[i, k]
+            w[i, 3 + k] = c * d + s * turn / speed
+            q[i, k] = c * turn - s * speed * d
+            length += w[i, 3 + k] * w[i, 3 + k]
+        length = np.sqrt(length)
+        for k in range(3):
+            w[i, 3 + k] /= length
+            total += w[i, 3 + k]
     return total
 
 

@@ -2,7 +2,7 @@
 """The internal force alone, for explicit steps: Eq. 14 without a tangent.
 
 The same strain energy as shell.py with the exact stress. 4-node quads in their default form go
-through quad_lanes.py; all else is differentiated by UFL, with everything that does not move packed
+through quad_force.py; all else is differentiated by UFL, with everything that does not move packed
 once. A call neither allocates nor creates a Vec.
 """
 
@@ -12,7 +12,7 @@ import ufl
 from dolfinx import cpp, fem, la
 from ufl.algorithms import expand_derivatives
 
-from . import quad_force, quad_lanes
+from . import quad_force
 from .shell import compiled
 
 # without NaN or infinity assumed away: a step that explodes must be seen to
@@ -38,7 +38,6 @@ class InternalForce:
         self._result = fem.Function(shell.space)
         self.r = self._result.x.array.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
-        self._shifted = None
         self._quads, self._packed, self._rates, self._viscous = None, [], None, []
         if by_segments(shell):
             forms, self._quads = [], self._bake()
@@ -85,9 +84,7 @@ class InternalForce:
         if warp is not None and np.ndim(warp) == 2:
             warp = warp[np.asarray(shell.mesh.topology.original_cell_index)[: len(cells)]]
         directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
-        baked = quad_force.baked(points, directors, cells, warp, shell.fabric)
-        work = np.zeros(quad_lanes.ROWS * quad_lanes.LANES)
-        return points, *quad_lanes.batches(cells, *baked), work
+        return points, cells, *quad_force.baked(points, directors, cells, warp, shell.fabric)
 
     def _pack(self, k, form):
         """Constants, coefficients, and the columns of the latter that hold w and its rates."""
@@ -112,17 +109,6 @@ class InternalForce:
             raise RuntimeError("the packed coefficients of the form are not laid out as expected")
         return values[:, columns]
 
-    def _add_quads(self, w, ahead, damped):
-        if not damped:
-            self.loss = 0.0
-            quad_lanes.add_force(w, *self._quads, self.r)
-            return
-        from . import quad_rates
-
-        if self._shifted is None:
-            self._shifted = np.zeros(quad_rates.SHIFTED * quad_lanes.LANES)
-        self.loss = quad_rates.add_damped_force(w, ahead, *self._quads, self._shifted, self.r)
-
     def __call__(self, w, pressure=0.0, ahead=None):
         """Compute the forces at the nodal field w (n_local, 6), ghosts valid; returns `r`.
 
@@ -138,7 +124,7 @@ class InternalForce:
         damped = self.damped and ahead is not None
         ahead = ahead.reshape(-1, 6) if damped else w
         if self._quads is not None:
-            self._add_quads(w, ahead, damped)
+            self.loss = quad_force.add_force(w, ahead, damped, *self._quads, self.r)
         if self._forms:
             np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         if damped and self._viscous:

@@ -87,7 +87,7 @@ class Newmark(Stepper):
         self._dead = loads.force_at(0.0, self.force, default=1.0).copy()
         self.totals, self.works = np.zeros((3, 3)), np.zeros(5)
         self.external_total, self.support_total, self.drag_total = self.totals
-        self.v_old = self.v.copy()
+        self.v_old, self._free = self.v.copy(), self.v.copy()
         self.last_dt = self.last_kick = 0.0
         self.fault, self.moved_sum = None, 0.0
         self.rewind = Rewind(self)
@@ -125,6 +125,7 @@ class Newmark(Stepper):
 
     def step(self, dt):
         """One step of length dt [s]."""
+        np.copyto(self.v_old, self.v)
         self._next, length = dt, 0.5 * (self.last_dt + dt)
         self.kick(length)
         for hook in self.hooks:
@@ -165,22 +166,23 @@ class Newmark(Stepper):
         turning = self._add_moments(r, self.q)
         self._update_loads()
         self.r = r
-        self._kick(self.v, self.q, r, dt, self.support_impulse, self.works, self.v_old)
+        self._kick(self.v, self.q, r, dt, self.support_impulse, self.works)
         if turning:
             _book_moments(*turning, self.q, dt, self.works)
+        np.copyto(self._free, self.v)
         if self._moving:
             self._follow(self._next, dt)
 
-    def _kick(self, v, q, r, dt, impulse, work, v_old):
+    def _kick(self, v, q, r, dt, impulse, work):
         explicit.kick(
             v, q, r, self.force, self.owned[:, 3:], self.held, self.plane, self.mass,
-            self.inertia, self.drag, dt, impulse, work, v_old,
+            self.inertia, self.drag, dt, impulse, work,
         )  # fmt: skip
 
     def _book(self, dt):
         explicit.book(
-            self.v_old, self.v, self.r, self.force, self.held, self.mass, self.drag, dt,
-            self.support_impulse, self.works, self.totals,
+            self.v_old, self._free, self.v, self.r, self.force, self.held, self.mass, self.drag,
+            dt, self.support_impulse, self.works, self.totals,
         )  # fmt: skip
 
     def _damping_loss(self, dt):
@@ -240,11 +242,11 @@ class Newmark(Stepper):
         works[4] += self._damping_loss(dt)
         turning = self._add_moments(r, q)
         self._update_loads()
-        self._kick(v, q, r, dt, impulse, works, np.empty_like(v))
+        self._kick(v, q, r, dt, impulse, works)
         if turning:
             _book_moments(*turning, q, dt, works)
         explicit.book(
-            self.v, v, r, self.force, self.held, self.mass, self.drag, dt, impulse, works,
+            self.v, v, v, r, self.force, self.held, self.mass, self.drag, dt, impulse, works,
             np.zeros((3, 3)),
         )  # fmt: skip
         return v, q, works
