@@ -58,6 +58,9 @@ def arguments(given):
     parser.add_argument("--around", type=positive(int), help="cells (default: accuracy)")
     parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
     parser.add_argument("--rotary-scale", type=float, default=ROTARY_SCALE, help="see inertia.py")
+    parser.add_argument(
+        "--mass-scale", type=positive(float), default=1.0, help="of the sleeve, for larger steps"
+    )
     parser.add_argument("--accuracy", type=command.accuracy, default=0.02, metavar="N%")
     parser.add_argument("--out", default="out/hinge_sleeve", help="folder for results")
     options = command.parse(parser, given)
@@ -106,7 +109,9 @@ def sleeve(options):
     surface = meshes.cylinder(rest, 2 * HALF, (options.around, along(size_of(options))))
     surface = surface.transform(translation=(0, 0, -HALF)).replace(warp=(0.0, 0.0, 1.0))
     plane = np.diag([1.0, 1.0, 0.5])
-    fabric = Fabric.from_stiffness(1e3 * plane, 3e-4 * plane, areal_mass=0.2, thickness=1e-3)
+    fabric = Fabric.from_stiffness(
+        1e3 * plane, 3e-4 * plane, 0.2 * options.mass_scale, thickness=1e-3
+    )
     shell = Shell(surface, fabric, COMM)
     X = surface.points[shell.partition.nodes]
     limb = options.radius * np.sqrt(1 - ((APART - np.abs(X[:, 2:])) / LENGTH) ** 2) + 2e-3
@@ -174,7 +179,8 @@ def cells_for(options):
     nodes = options.around * (along(choice.size) + 1)
     # steps as long as those measured with cells of this size: all scale with the size alike
     until = (STILL + options.cycles * options.period) * len(options.friction)
-    steps = until / trade_table.step_of("sleeve", choice.size)
+    # the step goes with the root of the mass
+    steps = until / trade_table.step_of("sleeve", choice.size) / np.sqrt(options.mass_scale)
     command.say(choice.lines(trade_table.seconds("sleeve", choice.family, nodes, steps)))
     return choice
 

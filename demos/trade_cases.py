@@ -61,6 +61,8 @@ def rolled(settings):
     shell, kappa = roll_up.strip(options)
     shell.forms()
     with Statics(shell) as statics:
+        if "tolerance" in settings:
+            statics.newton.snes.setTolerances(rtol=settings["tolerance"])
         with Timer() as timer:
             for _ in statics.march(options.steps):
                 pass
@@ -107,6 +109,7 @@ def bent(settings):
     """A sleeve on a bending knee; course of the torque, mean strain energy."""
     given = {"friction": [0.0], "angle": 20.0, "period": 0.3, "cycles": 1, "radius": 0.06}
     given |= {"time_step_factor": 0.9, "rotary_scale": hinge_sleeve.ROTARY_SCALE}
+    given |= {"mass_scale": 1.0}
     given |= {key: value for key, value in settings.items() if key in (*given, "around")}
     options = argparse.Namespace(**given)
     found = hinge_sleeve.cycles(options, 0.0)
@@ -169,6 +172,8 @@ CASES = {
                 *meshes_of("cells", (5, 6, 8, 10, 12, 16, 24, 32)),
                 *meshes_of("cells", (4, 6, 8, 12, 16, 24), family=NINE),
                 MESH | {"kind": "trick", "name": "10 load steps", "cells": 12, "steps": 10},
+                MESH | {"kind": "trick", "name": "5 load steps", "cells": 12, "steps": 5},
+                MESH | {"kind": "trick", "name": "tolerance 1e-3", "cells": 12, "tolerance": 1e-3},
             ],
             rolled,
             12 / (2 * np.pi),
@@ -185,7 +190,8 @@ CASES = {
         Case(
             "strip",
             [
-                *meshes_of("cells", (6, 8, 12, 16, 24, 32, 48)),
+                # errors depend on where between two nodes the strip lifts off: many counts
+                *meshes_of("cells", (6, 7, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40, 48)),
                 MESH | {"kind": "trick", "name": "contact inside cells", "cells": 16, "samples": 1},
             ],
             hung,
@@ -198,6 +204,8 @@ CASES = {
                 MESH | {"kind": "step", "around": 24, "time_step_factor": 0.45},
                 MESH | {"kind": "trick", "name": "rotary 4", "around": 24, "rotary_scale": 4.0},
                 MESH | {"kind": "trick", "name": "rotary 0.5", "around": 24, "rotary_scale": 0.5},
+                MESH | {"kind": "trick", "name": "mass 4", "around": 24, "mass_scale": 4.0},
+                MESH | {"kind": "trick", "name": "mass 16", "around": 24, "mass_scale": 16.0},
             ],
             bent,
             0.06,
@@ -211,8 +219,7 @@ CASES = {
                 *meshes_of("cells", (12, 16, 24), family="particles", model="particles"),
                 *meshes_of("cells", (32,)),
                 *starts((32,)),
-                *meshes_of("cells", (48, 64)),
-                MESH | {"family": "implicit", "cells": 12, "model": "implicit", "factor": 4.0},
+                *meshes_of("cells", (48,)),
             ],
             draped,
             draped_length(),

@@ -2,13 +2,18 @@
 r"""The trade between error and cost, measured: what accuracy costs, scene by scene.
 
     python demos/trade_off.py --case roll_up --budget 60 --out out/trade_off
-    mpirun -n 2 python demos/trade_off.py --case all --budget 1200 --write
+    python demos/trade_off.py --case all --budget 1500 --write
+    python demos/trade_off.py --held-out
+    python demos/trade_off.py --table
 
 runs each scene with settings of rising cost until the budget [s of the wall clock] is spent, and
 leaves trade.csv (all runs), trade.png (errors over cost with the best-choice front: no other
 setting is both cheaper and better) and summary.json in the folder, and prints the cheapest setting
 for errors of 10, 3, 1 and 0.3 %. `--write` puts what was found where `--accuracy` reads it, the
-table shellform/trade.csv; other cases keep their rows there.
+table shellform/trade.csv. Cases that were not run keep their rows there, and so do those that the
+budget cut short or of which a run failed. `--held-out` runs scenes that were not used for the fit
+and compares the errors predicted with those reached; `--table` runs nothing and prints the tables
+of README from shellform/trade.csv.
 
 Costs are seconds of all ranks' processors in the solver alone, compiled before, the median of
 repeats where a run is short; memory is the most resident during the run, libraries included.
@@ -26,6 +31,8 @@ from pathlib import Path
 from mpi4py import MPI
 
 import numpy as np
+import trade_held_out
+import trade_readme
 from trade_cases import CASES
 from trade_rows import rows_of
 from trade_walk import walk_case
@@ -39,6 +46,7 @@ COMM = MPI.COMM_WORLD
 ERRORS = (0.1, 0.03, 0.01, 0.003)
 # of a budget for all; what a case leaves goes to those after it
 SHARES = {"roll_up": 1, "capstan": 1, "strip": 1, "sleeve": 2, "drape": 8, "walk": 8}
+FAILURES = (ArithmeticError, RuntimeError, ValueError)  # of a run; Unstable is one of them
 SHORT = 2.0  # s, a run as short is repeated
 COLUMNS = (
     "case", "quantity", "family", "kind", "settings", "error", "reference", "uncertainty",
@@ -54,30 +62,44 @@ def arguments(given):
     parser.add_argument("--case", choices=(*SHARES, "all"), default="roll_up")
     parser.add_argument("--budget", type=command.positive(float), default=120.0, help="s")
     parser.add_argument("--write", action="store_true", help="keep the table for --accuracy")
+    parser.add_argument("--held-out", action="store_true", help="scenes not used for the fit")
+    parser.add_argument("--table", action="store_true", help="print what was measured, run nothing")
     parser.add_argument("--out", type=Path, default=Path("out/trade_off"))
     return command.parse(parser, given)
 
 
 def ladder(case, budget):
-    """Run the settings of a case until the budget [s] is spent; list of (settings, found).
+    """Run the settings of a case until the budget [s] is spent.
 
-    A run that would, by the growth of cost with cells, take more than is left is not begun.
+    A run that would, by the growth of cost with cells, take more than is left is not begun; one
+    that fails is told and left out.
+
+    Returns
+    -------
+    runs : list of (settings, found); whole : bool, all settings were run
     """
-    runs, start, worst = [], time.perf_counter(), {}
+    runs, start, worst, whole = [], time.perf_counter(), {}, True
     warm = set()
     for settings in case.ladder:
         left = budget - COMM.bcast(time.perf_counter() - start)
         before = worst.get(settings["family"])
         if left <= 0 or (before and before[1] > left and settings["kind"] == "mesh"):
             command.say([f"  {case.name}: no time left for {settings}"])
+            whole = False
             continue
-        if settings["family"] not in warm and case.name != "walk":
-            case.run(settings)  # compiles
-            warm.add(settings["family"])
         began = time.perf_counter()
-        found = [measured(case, settings)]
-        while len(found) < 3 and found[0]["core_seconds"] < SHORT * COMM.size:
-            found.append(measured(case, settings))
+        try:
+            if settings["family"] not in warm and case.name != "walk":
+                case.run(settings)  # compiles
+                warm.add(settings["family"])
+                began = time.perf_counter()
+            found = [measured(case, settings)]
+            while len(found) < 3 and found[0]["core_seconds"] < SHORT * COMM.size:
+                found.append(measured(case, settings))
+        except FAILURES as failure:
+            command.say([f"  {case.name}: {settings} failed: {failure}"])
+            whole = False
+            continue
         one = dict(found[0]) | {"repeats": len(found)}
         for key in ("core_seconds", "memory_mb"):
             one[key] = statistics.median(f[key] for f in found)
@@ -87,7 +109,7 @@ def ladder(case, budget):
             growth = (before[0] / one["ratio"]) ** 3 if before else 2.5
             worst[settings["family"]] = one["ratio"], took * max(growth, 1.5)
         command.say([f"  {case.name}: {settings} {took:.1f} s"])
-    return runs
+    return runs, whole
 
 
 def measured(case, settings):
@@ -128,12 +150,13 @@ def table_text(rows, columns):
 
 
 def keep(rows, names):
-    """Write the table that `--accuracy` reads; cases that were not run keep what they had."""
+    """Write the table that `--accuracy` reads; cases that are not named keep what they had."""
     path, before = trade_table.TABLE, []
     if path.is_file():
-        before = [row for row in trade_table.read(path) if row["case"] not in (*names, "machine")]
-    machine = {"case": "machine", "kind": "machine", "core_seconds": trade_table.machine()}
-    write_atomically(path, table_text([machine, *before, *rows], trade_table.COLUMNS))
+        before = [row for row in trade_table.read(path) if row["case"] not in names]
+    speed = trade_table.machine()
+    machine = [{"case": name, "kind": "machine", "core_seconds": speed} for name in names]
+    write_atomically(path, table_text([*before, *machine, *rows], trade_table.COLUMNS))
     for cached in (trade_table.read, trade_table.laws, trade_table.cost):
         cached.cache_clear()
 
@@ -205,48 +228,86 @@ def draw(path, rows, names):
 
 
 def main(given=None):
-    # ## Runs, scene by scene
     options = arguments(given)
+    if options.table:
+        command.say(trade_readme.lines())
+        return
     report = Report(options.out, "trade_off", vars(options), COMM)
+    if options.held_out:
+        held_out(options, report)
+        return
+
+    # ## Runs, scene by scene
     names = list(SHARES) if options.case == "all" else [options.case]
     rows, left, total = [], options.budget, sum(SHARES[name] for name in names)
+    done, whole = [], []
     for name in names:
         case = walk_case(options.out) if name == "walk" else CASES[name]
         budget, start = left * SHARES[name] / total, time.perf_counter()
         command.say([f"{name}: {budget:.0f} s"])
         with report.stage("solve"):
-            rows += rows_of(case, ladder(case, budget))
+            runs, all_run = ladder(case, budget)
+        if any(settings["kind"] == "mesh" for settings, _ in runs):
+            rows += rows_of(case, runs)
+            done.append(name)
+            whole += [name] * all_run
         left -= COMM.bcast(time.perf_counter() - start)
         total -= SHARES[name]
         if COMM.rank == 0:
             write_atomically(options.out / "trade.csv", table_text(rows, COLUMNS))
+    if not done:
+        raise ValueError(f"no setting of {', '.join(names)} was run: give a larger --budget")
 
     # ## Tables, picture, and what is kept
-    best = {name: front(leading(rows, name)) for name in names}
+    best = {name: front(leading(rows, name)) for name in done}
     within = {
         name: {
             f"{100 * error:g} %": row and short(row)
             for error in ERRORS
             for row in [cheapest(leading(rows, name), error)]
         }
-        for name in names
+        for name in done
     }
     results = {
-        "front": [{"case": name} | short(row) for name in names for row in best[name]],
+        "front": [{"case": name} | short(row) for name in done for row in best[name]],
         "cheapest": within if options.case == "all" else within[names[0]],
     }
     if COMM.rank == 0:
-        tell(rows, names)
+        tell(rows, done)
         with report.stage("output"):
-            draw(options.out / "trade.png", rows, names)
+            draw(options.out / "trade.png", rows, done)
         if options.write:
-            keep(rows, names)
-            results["words"] = {name: words(name) for name in names}
-            print(f"wrote {trade_table.TABLE}")
+            write(rows, names, whole)
+            results["words"] = {name: words(name) for name in done}
     COMM.Barrier()
     report.summary |= {"plan": {}, "cells": None, "nodes": None, "dofs": None}
     report.write(results, steps=sum(int(row["steps"]) for row in rows), newton_iterations=0)
     command.say([f"wrote {options.out}/trade.csv, trade.png, summary.json"])
+
+
+def write(rows, names, whole):
+    """Keep the cases that are whole, and those that the table has none of."""
+    known = {row["case"] for row in trade_table.read()} if trade_table.TABLE.is_file() else set()
+    kept = [name for name in names if name in whole or name not in known]
+    keep([row for row in rows if row["case"] in kept], kept)
+    print(f"wrote {trade_table.TABLE}: {', '.join(kept) or 'nothing'}")
+    if len(kept) < len(names):
+        others = ", ".join(name for name in names if name not in kept)
+        print(f"{others}: not all settings were run, the rows of before stay; give more --budget")
+
+
+def held_out(options, report):
+    """The table of scenes that were not used for the fit."""
+    command.say([trade_held_out.HEAD])
+    rows = []
+    for scene in trade_held_out.SCENES:
+        with report.stage("solve"):
+            rows.append(trade_held_out.measure(*scene))
+        command.say([trade_held_out.line(rows[-1])])
+    good = sum(row["within"] for row in rows)
+    command.say([f"{good} of {len(rows)} within a factor {trade_held_out.WITHIN:g}"])
+    report.summary |= {"plan": {}, "cells": None, "nodes": None, "dofs": None}
+    report.write({"held_out": rows}, steps=0, newton_iterations=0)
 
 
 def words(name):

@@ -118,21 +118,22 @@ def main(given=None):
         command.say(trade(read_scene(options.scene), comm, out if options.measure else None))
         return
     from . import account, activity
-    from .trade import book
+    from .accuracy import told
+    from .trade import estimate
 
     if options.do == "run":
         out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
-        command.say(scene.choice.lines())
         results = activity.run(scene, out, comm, options.dressed)
-        command.say([book(scene, out, comm, options.estimate)])
+        if options.estimate:
+            estimate(scene, out, comm, options.dressed)
     else:
         out = options.out
         results = activity.resume(out, comm)
-        command.say([book(read_scene(out / "scene.toml"), out, comm)])
     if comm.rank == 0:
         if not options.no_pictures:
             account.draw(out)
         print("\n".join(account.told(results)))
+        print(told(account.summary_of(out)["accuracy"]))
         print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
 
 

@@ -50,14 +50,15 @@ class Choice:
 
     Attributes
     ----------
-    case, family : what was measured; asked : float, relative error, or a word
+    case, family : what was measured
+    asked : float, relative error, or a word; None where a size of cells was given instead
     length : l [m]; ratio : h/l; predicted : {quantity: relative error}
     kept : bool, whether the error asked for can be promised; laws : {quantity: Law}
     """
 
     case: str
     family: str
-    asked: float | str
+    asked: float | str | None
     length: float
     ratio: float
     kept: bool = True
@@ -77,7 +78,8 @@ class Choice:
 
     @property
     def order(self):
-        return self.law.order
+        """Power of the size with which the error goes, 1 where none was measured."""
+        return self.law.order if self.laws else 1.0
 
     @property
     def predicted(self):
@@ -95,16 +97,25 @@ class Choice:
         """The same with cells of another size [m], as a whole number of them asks for."""
         return replace(self, ratio=size / self.length)
 
+    @property
+    def wish(self):
+        """What was asked for, as a text."""
+        if self.asked is None:
+            return "cells as given"
+        return f"accuracy {self.asked if isinstance(self.asked, str) else _percent(self.asked)}"
+
     def lines(self, seconds=None):
         """Lines for a person, before the start; seconds : predicted [s] or None."""
-        quantity = LEADING[self.case]
-        wish = self.asked if isinstance(self.asked, str) else f"{100 * self.asked:.3g} %"
+        quantity, wish = LEADING[self.case], self.wish
         said = ", ".join(f"{name} {_percent(e)}" for name, e in self.predicted.items())
         lines = [
-            f"accuracy {wish}: {self.family}, cells of {1e3 * self.size:.3g} mm = "
+            f"{wish}: {self.family}, cells of {1e3 * self.size:.3g} mm = "
             f"{self.ratio:.3g} of {1e3 * self.length:.3g} mm; predicted errors: {said}"
             + (f"; about {_time(seconds)}" if seconds is not None else "")
         ]
+        spread = self.law.spread if self.laws else 0.0
+        if self.kept and spread > 0.5 * self.error:
+            lines.append(f"of {quantity} another start alone changes {_percent(spread)}")
         if not self.kept:
             law = self.law
             if law.spread >= (0.0 if isinstance(self.asked, str) else self.asked):
@@ -119,9 +130,10 @@ class Choice:
         return {
             "asked": self.asked,
             "of": LEADING[self.case],
-            "predicted": self.error,
+            "predicted": self.error if self.laws else None,
             "predicted_all": self.predicted,
             "promised": self.kept,
+            "another_start_changes": self.law.spread if self.laws else None,
             "estimated": estimated,
             "how": how,
             "cell_size": self.size,
@@ -180,6 +192,8 @@ def relative_error(asked):
 
 def told(entry):
     """A line for a person after a run, from `Choice.summary`."""
+    if entry["predicted"] is None:
+        return f"error of {entry['of']}: not measured, shellform/trade.csv has none of this case"
     line = f"error of {entry['of']}: predicted {_percent(entry['predicted'])}"
     if entry["estimated"] is not None:
         line += f", estimated from this run {_percent(entry['estimated'])}"
@@ -187,7 +201,7 @@ def told(entry):
 
 
 def _percent(error):
-    return f"{100 * error:.2g} %"
+    return f"{100 * error:.2g} %" if error < 0.995 else f"{100 * error:.0f} %"
 
 
 def _time(value):

@@ -5,7 +5,7 @@ A Scene is a value, made in Python or read from a TOML file (scene_file.py). Eve
 checked when it is made; nothing is computed. `build.py` turns it into arrays and finite elements.
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from numbers import Integral, Real
 from pathlib import Path
 from typing import get_args
@@ -161,7 +161,8 @@ class Scene:
 
         length = garment_length(fabric_of(self.fabric))
         choice = choose("walk", self.steps.accuracy, length)
-        return choice.at(self.garment.cell_size) if self.garment.cell_size else choice
+        given = self.garment.cell_size
+        return replace(choice.at(given), asked=None, kept=True) if given else choice
 
 
 PARTS = {

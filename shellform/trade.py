@@ -6,18 +6,20 @@ nodes go with h^-2, the stable step with h. With `--measure` the cheapest settin
 they differ by stands beside what was predicted.
 """
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from . import account, trade_table
-from .accuracy import GARMENT, LEADING, told
+from .accuracy import GARMENT, LEADING
 from .law import richardson
 from .results import write_atomically
 from .torque import rows_until
 
 PERCENT = ("10%", "3%", "1%", "0.3%")
+DRESSED = 2.2  # s, that dressing takes if the cloth is soon quiet
 COARSEST = 0.04  # m, of cells that still make trousers
 
 
@@ -121,32 +123,46 @@ def coarser(scene):
     return replace(scene, garment=replace(scene.garment, cell_size=size))
 
 
-def book(scene, out, comm, estimate=False, dressed=None):
-    """Enter `accuracy` into the summary.json of a run; all ranks call; a line for a person.
+def foretold(activity):
+    """Lines before a run: the errors predicted and the time it will take on these ranks."""
+    scene, stepper = activity.scene, activity.stepper
+    choice, wearer = scene.choice, activity.wearer
+    if not choice.laws:
+        return choice.lines()
+    steps = (wearer.end - wearer.start + DRESSED) / stepper.dt
+    nodes = len(activity.surface.points)
+    work = trade_table.seconds(choice.case, choice.family, nodes, steps)
+    return choice.lines(work / activity.comm.size)
 
-    estimate : run the scene with coarser cells beside, an eighth to a half of the cost
+
+def entry(scene):
+    """`accuracy` of summary.json for a run with no other beside."""
+    choice = scene.choice
+    error = choice.error if choice.laws else None
+    return choice.summary(error, "from errors measured beforehand, no run beside")
+
+
+def estimate(scene, out, comm, dressed=None):
+    """Run the scene with coarser cells beside, and enter what that tells into summary.json.
+
+    It takes an eighth to a half of the cost. All ranks call; returns the entry.
     """
     from . import activity
 
-    out, choice = Path(out), scene.choice
-    error = choice.error if choice.laws else None
-    entry = choice.summary(error, "errors measured beforehand, no run beside")
-    if estimate:
-        other = coarser(scene)
-        activity.run(other, out / "coarser", comm, dressed)
-        comm.Barrier()
-        order = choice.law.order if choice.laws else 1.0
-        by = other.cell_size / scene.cell_size
-        left = richardson(difference(out, out / "coarser"), 0.0, by, order)
-        spread = choice.law.spread if choice.laws else 0.0
-        how = f"run with cells of {1e3 * other.cell_size:.3g} mm; what another start changes added"
-        entry = choice.summary(float(np.hypot(left, spread)), how)
+    out, choice, other = Path(out), scene.choice, coarser(scene)
+    activity.run(other, out / "coarser", comm)
+    comm.Barrier()
+    by = other.cell_size / scene.cell_size
+    left = richardson(difference(out, out / "coarser"), 0.0, by, choice.order)
+    spread = choice.law.spread if choice.laws else 0.0
+    how = f"run with cells of {1e3 * other.cell_size:.3g} mm; what another start changes added"
+    entry = choice.summary(float(np.hypot(left, spread)), how)
+    comm.Barrier()
     if comm.rank == 0:
-        import json
-
-        summary = account.summary_of(out) | {"accuracy": entry, "tricks": tricks(scene)}
+        summary = account.summary_of(out) | {"accuracy": entry}
         write_atomically(out / "summary.json", json.dumps(summary, indent=2) + "\n")
-    return told(entry)
+    comm.Barrier()
+    return entry
 
 
 def tricks(scene):

@@ -7,7 +7,7 @@
     spread   half the range of a quantity over slightly different starts, relative
     step     what half the time step changes, relative
     trick    what a trick, named by `family`, changes; `relative_cost` over that without
-    machine  seconds of `machine()` where all this was measured
+    machine  seconds of `machine()` where and when a case was measured
 """
 
 import csv
@@ -92,7 +92,8 @@ def step_of(case, size, path=TABLE):
 def seconds(case, family, nodes, steps, path=TABLE):
     """Core-seconds of a run here and now, from those measured and the speed of this machine."""
     fixed, each, *_ = cost(case, family, path)
-    then = [row["core_seconds"] for row in read(path) if row["kind"] == "machine"]
+    mine = (case, "machine")
+    then = [row["core_seconds"] for row in read(path) if (row["case"], row["kind"]) == mine]
     return steps * (fixed + each * nodes) * (machine() / then[0] if then else 1.0)
 
 

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The tables of README from what was measured, shellform/trade.csv; nothing is run.
+
+`python demos/trade_off.py --table` prints them.
+"""
+
+import math
+
+from shellform import trade_table
+from shellform.accuracy import LEADING
+from shellform.law import cheapest
+
+ERRORS = (0.1, 0.03, 0.01, 0.003)
+KINDS = ("spread", "step", "trick")
+CALLED = {"spread": "another start", "step": "half the time step"}
+
+
+def lines():
+    """Both tables in Markdown."""
+    return [*meshes(), "", *changes()]
+
+
+def meshes():
+    """Cheapest cells for an error, cost; what was measured."""
+    said = ["| scene, error of | 10 % | 3 % | 1 % | 0.3 % |", "|---|---|---|---|---|"]
+    for case, quantity in LEADING.items():
+        rows = [
+            row
+            for row in trade_table.read()
+            if (row["case"], row["quantity"], row["kind"]) == (case, quantity, "mesh")
+        ]
+        if not rows:
+            continue
+        cells = [_cheapest(rows, error) for error in ERRORS]
+        doubt = rows[0]["uncertainty"]
+        known = f" (known to {percent(doubt)})" if doubt > 1e-4 else ""
+        said.append(f"| {case.replace('_', ' ')}, {quantity}{known} | {' | '.join(cells)} |")
+    return said
+
+
+def _cheapest(rows, error):
+    best = cheapest(rows, error)
+    if best is None:
+        return f"- (best {percent(min(row['error'] for row in rows))})"
+    family = "" if best["family"] == "quads" else f"{best['family']}, "
+    return f"{family}{best['ratio']:.2f} l, {best['core_seconds']:.2g} s"
+
+
+def changes():
+    """What another start, half the step and tricks change, and what they cost."""
+    said = ["| scene | what | changes | by | time over that without |", "|---|---|---|---|---|"]
+    for row in trade_table.read():
+        if row["kind"] in KINDS:
+            cost = row["relative_cost"]
+            said.append(
+                f"| {row['case'].replace('_', ' ')} | {CALLED.get(row['kind'], row['family'])} | "
+                f"{row['quantity']} | {percent(row['error'])} | "
+                f"{'' if math.isnan(cost) else f'{cost:.2f}'} |"
+            )
+    return said
+
+
+def percent(error):
+    """An error as a text."""
+    return f"{100 * error:.2g} %" if 100 * error >= 0.001 else "0"
