@@ -157,7 +157,8 @@ def main(given=None):
             stepper, out = belt(n, mu, options.radius, angle, options.time_step_factor)
         if choice and n == cells[-1]:
             work = len(stepper.shell.surface.points), seconds(arc / n) / stepper.dt
-            command.say(choice.lines(trade_table.seconds("capstan", choice.family, *work)))
+            took = trade_table.seconds("capstan", choice.family, *work) / COMM.size
+            command.say(choice.lines(took))
         start = time.perf_counter()
         with report.stage("solve"):
             found = last = ratios(stepper, out, arc / n)

@@ -134,7 +134,10 @@ def stepper_of(options, shell, body):
 def cells_for(options):
     """The choice of cells for the accuracy asked for; sets options.cells."""
     held = (options.bending_stiffness / (options.areal_mass * G)) ** (1 / 3)
-    choice = accuracy.choose("drape", options.accuracy, min([held, *options.radii]))
+    family = ["particles" if options.model == "particles" else "quads"]
+    choice = accuracy.choose(
+        "drape", options.accuracy, min([held, *options.radii]), families=family
+    )
     options.cells = max(4, int(np.ceil(options.size / choice.size)))
     return choice.at(options.size / options.cells)
 
@@ -191,7 +194,10 @@ def main(given=None):
         stepper.strain_energy()
     if choice:
         work = len(square.points), options.seconds / stepper.dt
-        command.say(choice.lines(trade_table.seconds("drape", choice.family, *work)))
+        took = None  # of implicit steps no time was measured
+        if options.stepper == "explicit":
+            took = trade_table.seconds("drape", choice.family, *work) / COMM.size
+        command.say(choice.lines(took))
     later = None
     if options.handover is not None:
         # particles first, on a sheet of their own

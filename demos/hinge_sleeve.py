@@ -181,8 +181,19 @@ def cells_for(options):
     until = (STILL + options.cycles * options.period) * len(options.friction)
     # the step goes with the root of the mass
     steps = until / trade_table.step_of("sleeve", choice.size) / np.sqrt(options.mass_scale)
-    command.say(choice.lines(trade_table.seconds("sleeve", choice.family, nodes, steps)))
+    took = trade_table.seconds("sleeve", choice.family, nodes, steps) / COMM.size
+    command.say(choice.lines(took))
     return choice
+
+
+def tricks(options):
+    """What of the options buys time, and what it was measured to change."""
+    used = []
+    if options.mass_scale != 1:
+        used.append(f"mass {options.mass_scale:g}")
+    if options.rotary_scale != ROTARY_SCALE:
+        used.append(f"rotary {options.rotary_scale:g}")
+    return trade_table.tricks("sleeve", used)
 
 
 def replace_around(options, around):
@@ -243,6 +254,7 @@ def main(given=None):
     if choice:
         command.say([accuracy.told(told["accuracy"])])
     results = {f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()}
+    told["tricks"] = tricks(options)
     report.write(results, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, torque.csv, hinge_sleeve.png")

@@ -143,7 +143,8 @@ def main(given=None):
         report.describe(shell, inertia=False, contact=False)
     if choice:
         work = len(shell.surface.points), options.steps
-        command.say(choice.lines(trade_table.seconds("roll_up", choice.family, *work)))
+        took = trade_table.seconds("roll_up", choice.family, *work) / COMM.size
+        command.say(choice.lines(took))
     with report.stage("compile"):
         shell.forms()
 

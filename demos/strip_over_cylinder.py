@@ -287,7 +287,8 @@ def main(given=None):
                 stepper, touch = strip(scene, cells, k)
             if choice and (k, cells) == (options.samples[0], options.cells[-1]):
                 work = len(stepper.shell.surface.points), options.seconds / stepper.dt
-                command.say(choice.lines(trade_table.seconds("strip", choice.family, *work)))
+                took = trade_table.seconds("strip", choice.family, *work) / COMM.size
+                command.say(choice.lines(took))
             with report.stage("solve"):
                 found = measure(exact, stepper, touch, options.seconds)
             report.shift(touch.seconds, "solve", "contact")

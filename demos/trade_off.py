@@ -23,6 +23,7 @@ import argparse
 import csv
 import gc
 import io
+import math
 import resource
 import statistics
 import time
@@ -145,8 +146,14 @@ def table_text(rows, columns):
     writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     for row in rows:
-        writer.writerow({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()})
+        writer.writerow({k: _short(v) for k, v in row.items()})
     return text.getvalue()
+
+
+def _short(value):
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.5g}"
+    return value
 
 
 def keep(rows, names):
@@ -289,7 +296,8 @@ def write(rows, names, whole):
     """Keep the cases that are whole, and those that the table has none of."""
     known = {row["case"] for row in trade_table.read()} if trade_table.TABLE.is_file() else set()
     kept = [name for name in names if name in whole or name not in known]
-    keep([row for row in rows if row["case"] in kept], kept)
+    if kept:
+        keep([row for row in rows if row["case"] in kept], kept)
     print(f"wrote {trade_table.TABLE}: {', '.join(kept) or 'nothing'}")
     if len(kept) < len(names):
         others = ", ".join(name for name in names if name not in kept)

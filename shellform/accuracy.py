@@ -196,7 +196,7 @@ def told(entry):
         return f"error of {entry['of']}: not measured, shellform/trade.csv has none of this case"
     line = f"error of {entry['of']}: predicted {_percent(entry['predicted'])}"
     if entry["estimated"] is not None:
-        line += f", estimated from this run {_percent(entry['estimated'])}"
+        line += f", estimated {_percent(entry['estimated'])}"
     return f"{line} ({entry['how']})"
 
 

@@ -62,10 +62,16 @@ def lines(scene, rows, ranks):
         kept = "" if word else ("yes" if choice.kept else "no")
         minutes = row.get("core_seconds", np.nan) / 60 / ranks
         said.append(
-            f"{row['asked']:>9}  {100 * choice.error:5.0f}%  {kept:>4}  {1e3 * choice.size:8.1f}  "
+            f"{row['asked']:>9}  {100 * choice.error:5.2g}%  {kept:>4}  {1e3 * choice.size:8.1f}  "
             f"{row['nodes']:6.0f}  {row['time_step']:8.1e}  {minutes:7.1f}  "
             f"{row.get('memory_mb', np.nan):5.0f}"
         )
+    law = rows[0]["choice"].law
+    if law.spread:
+        spreads = ", ".join(
+            f"{name} {100 * known.spread:.2g} %" for name, known in rows[0]["choice"].laws.items()
+        )
+        said.append(f"of these another start alone changes: {spreads}")
     broken = [row["choice"] for row in rows if not row["choice"].kept]
     return said + (broken[0].lines()[1:] if broken else [])
 
@@ -166,12 +172,6 @@ def estimate(scene, out, comm, dressed=None):
 
 
 def tricks(scene):
-    """Tricks of a scene that buy time, with what they were measured to change: {name: {...}}."""
-    used = {}
-    if scene.steps.dressing == "particles":
-        used["dressed by particles"] = {}
-    for row in trade_table.read():
-        if row["kind"] == "trick" and row["family"] in used:
-            change = {f"changes {row['quantity']} by": row["error"]}
-            used[row["family"]] |= change | {"cost": row["relative_cost"]}
-    return used
+    """Tricks of a scene that buy time, with what they were measured to change."""
+    names = ["dressed by particles"] if scene.steps.dressing == "particles" else []
+    return trade_table.tricks("walk", names)

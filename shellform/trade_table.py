@@ -69,6 +69,18 @@ def cost(case, family, path=TABLE):
     return (*time_of, *memory)
 
 
+def tricks(case, names, path=TABLE):
+    """{name: {quantity: relative change, 'cost': over that without}} of tricks in use, as measured.
+
+    A trick that was not measured in this case stands there with nothing.
+    """
+    found = {name: {} for name in names}
+    for row in read(path):
+        if (row["case"], row["kind"]) == (case, "trick") and row["family"] in found:
+            found[row["family"]] |= {row["quantity"]: row["error"], "cost": row["relative_cost"]}
+    return found
+
+
 def machine():
     """Seconds of a fixed piece of numpy's work, the best of five: how fast this machine is."""
     a, b = np.linspace(1, 2, 6000).reshape(1000, 6), np.ones((1000, 6))
