@@ -46,7 +46,7 @@ from shellform.results import Report, write_atomically
 COMM = MPI.COMM_WORLD
 ERRORS = (0.1, 0.03, 0.01, 0.003)
 # of a budget for all; what a case leaves goes to those after it
-SHARES = {"roll_up": 1, "capstan": 1, "strip": 1, "sleeve": 2, "drape": 8, "walk": 8}
+SHARES = {"roll_up": 1, "capstan": 2, "strip": 3, "sleeve": 3, "drape": 8, "walk": 25}
 FAILURES = (ArithmeticError, RuntimeError, ValueError)  # of a run; Unstable is one of them
 SHORT = 2.0  # s, a run as short is repeated
 COLUMNS = (

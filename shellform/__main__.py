@@ -125,7 +125,7 @@ def main(given=None):
         out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
         results = activity.run(scene, out, comm, options.dressed)
         if options.estimate:
-            estimate(scene, out, comm, options.dressed)
+            estimate(scene, out, comm)
     else:
         out = options.out
         results = activity.resume(out, comm)

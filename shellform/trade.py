@@ -148,7 +148,7 @@ def entry(scene):
     return choice.summary(error, "from errors measured beforehand, no run beside")
 
 
-def estimate(scene, out, comm, dressed=None):
+def estimate(scene, out, comm):
     """Run the scene with coarser cells beside, and enter what that tells into summary.json.
 
     It takes an eighth to a half of the cost. All ranks call; returns the entry.
