@@ -28,7 +28,7 @@ from contact.recording import Recording
 from contact.wearer import Wearer
 from shellform import Fabric, Shell, accuracy, command, trade_table
 from shellform.inertia import ROTARY_SCALE
-from shellform.law import richardson
+from shellform.law import companion, left
 from shellform.ledger import Ledger
 from shellform.newmark import Newmark
 from shellform.results import Report
@@ -228,15 +228,15 @@ def main(given=None):
         with report.stage("solve"):
             runs[friction] = cycles(options, friction, report.folder)
 
-    # ## What coarser cells differ by
+    # ## What other cells differ by
     if choice:
         first = options.friction[0]
-        coarse = replace_around(options, max(8, round(options.around / 2)))
+        fewest = int(np.ceil(2 * np.pi / choice.law.coarsest))
+        other = replace_around(options, companion(options.around, fewest))
         with report.stage("solve"):
-            difference = apart(runs[first], cycles(coarse, first))
-        by = options.around / coarse.around
-        error = richardson(difference, 0.0, by, choice.order)
-        told["accuracy"] = choice.summary(error, f"run with {coarse.around} cells around")
+            difference = apart(runs[first], cycles(other, first))
+        error = left(difference, options.around, other.around, choice.order)
+        told["accuracy"] = choice.summary(error, f"run with {other.around} cells around")
 
     # ## Results
     if COMM.rank == 0:
@@ -255,7 +255,8 @@ def main(given=None):
         command.say([accuracy.told(told["accuracy"])])
     results = {f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()}
     told["tricks"] = tricks(options)
-    report.write(results, **told)
+    steps = sum(run["steps"] for run in runs.values())
+    report.write(results, steps=steps, newton_iterations=0, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, torque.csv, hinge_sleeve.png")
 

@@ -26,7 +26,7 @@ import numpy as np
 
 import meshes
 from shellform import Fabric, Shell, Statics, accuracy, command, trade_table
-from shellform.law import richardson
+from shellform.law import companion, left
 from shellform.results import Report, Series
 
 COMM = MPI.COMM_WORLD
@@ -106,22 +106,17 @@ def strip(options):
 
 
 def reached(options, choice, tip):
-    """`accuracy` of summary.json: what the tip differs by from that of another mesh.
-
-    That has half the cells; or, where these would turn by more than the power of the errors holds
-    for, half as many again.
-    """
-    double = 2 * choice.ratio <= choice.law.coarsest
-    cells = options.cells // 2 if double else int(np.ceil(1.5 * options.cells))
+    """`accuracy` of summary.json: what the tip differs by from that of another mesh."""
+    fewest = int(np.ceil(2 * np.pi * abs(options.turns) / choice.law.coarsest))
+    cells = companion(options.cells, fewest)
     shell, _ = strip(argparse.Namespace(**vars(options) | {"cells": cells}))
     with Statics(shell) as statics:
         for _ in statics.march(options.steps):
             pass
         other = shell.displacement_at((options.length, 0, 0)) + (options.length, 0, 0)
     apart = float(np.linalg.norm(tip - other)) / options.length
-    by = max(options.cells, cells) / min(options.cells, cells)
-    left = richardson(apart, 0.0, by, choice.order) * (1 if double else by**choice.order)
-    return choice.summary(left + choice.own, f"run with {cells} cells; stretch of the sheet added")
+    error = left(apart, options.cells, cells, choice.order)
+    return choice.summary(error + choice.own, f"run with {cells} cells; stretch of the sheet added")
 
 
 def circle(kappa, s):

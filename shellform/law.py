@@ -94,6 +94,22 @@ def richardson(fine, coarse, by, order):
     return apart / (by ** max(order, 1.0) - 1)
 
 
+def companion(cells, fewest):
+    """Number of cells of a run beside one with `cells`: half of them, where errors are a power yet.
+
+    Not below the `fewest` for which that was seen; and half as many again where these are nearly
+    all.
+    """
+    fewer = max(round(cells / 2), fewest)
+    return fewer if fewer <= 0.75 * cells else int(np.ceil(1.5 * cells))
+
+
+def left(apart, cells, beside, order):
+    """Error of a run with `cells` from what it differs by from one with `beside`, more or fewer."""
+    by = max(cells, beside) / min(cells, beside)
+    return richardson(apart, 0.0, by, order) * (1.0 if beside < cells else by ** max(order, 1.0))
+
+
 def front(rows):
     """Rows that no other beats in both `error` and `core_seconds`, the cheapest first."""
     best, left = [], math.inf

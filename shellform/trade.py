@@ -19,7 +19,7 @@ from .results import write_atomically
 from .torque import rows_until
 
 PERCENT = ("10%", "3%", "1%", "0.3%")
-DRESSED = 2.2  # s, that dressing takes if the cloth is soon quiet
+DRESSED = 2.5  # s, that dressing takes if the cloth is soon quiet, as measured
 COARSEST = 0.04  # m, of cells that still make trousers
 
 
@@ -66,12 +66,10 @@ def lines(scene, rows, ranks):
             f"{row['nodes']:6.0f}  {row['time_step']:8.1e}  {minutes:7.1f}  "
             f"{row.get('memory_mb', np.nan):5.0f}"
         )
-    law = rows[0]["choice"].law
-    if law.spread:
-        spreads = ", ".join(
-            f"{name} {100 * known.spread:.2g} %" for name, known in rows[0]["choice"].laws.items()
-        )
-        said.append(f"of these another start alone changes: {spreads}")
+    known = rows[0]["choice"].laws
+    if known:
+        spreads = ", ".join(f"{name} {100 * law.spread:.2g} %" for name, law in known.items())
+        said.append(f"another start alone changes: {spreads}")
     broken = [row["choice"] for row in rows if not row["choice"].kept]
     return said + (broken[0].lines()[1:] if broken else [])
 
@@ -84,10 +82,9 @@ def trade(scene, comm, out=None):
     as `activity.run`
     """
     from . import activity
-    from .dressing import Dressing
 
     built = activity.Activity(scene, comm)
-    seconds = built.wearer.end - built.wearer.start + Dressing().seconds
+    seconds = built.wearer.end - built.wearer.start + DRESSED
     rows = options(scene, built, seconds)
     said = lines(scene, rows, comm.size)
     if out is None:

@@ -18,7 +18,7 @@ import trade_rows
 
 from shellform import account, accuracy, activity, command, trade, trade_table
 from shellform.__main__ import main
-from shellform.law import Law, cheapest, fit, front, richardson
+from shellform.law import Law, cheapest, companion, fit, front, left, richardson
 from shellform.scene import Garment, Scene, Steps
 
 pytestmark = pytest.mark.serial
@@ -62,6 +62,14 @@ def test_a_law_is_inverted():
 def test_richardson_is_exact_for_a_power():
     value = lambda h: 3.0 + 0.2 * h**2  # noqa: E731
     assert richardson(value(0.1), value(0.2), 2.0, 2.0) == pytest.approx(0.2 * 0.01, rel=1e-9)
+
+
+@pytest.mark.parametrize(("cells", "beside"), [(40, 20), (19, 12), (14, 21)])
+def test_a_run_beside_has_cells_for_which_the_power_holds(cells, beside):
+    """More cells or fewer: a power gives its error back."""
+    assert companion(cells, 12) == beside
+    error = lambda n: 0.2 * n**-1.6  # noqa: E731
+    assert left(error(cells) - error(beside), cells, beside, 1.6) == pytest.approx(error(cells))
 
 
 def test_front_and_cheapest():
@@ -270,6 +278,33 @@ def test_the_tables_of_the_readme_come_from_the_table():
     ]
     good = min((r for r in rows if r["error"] <= 0.01), key=lambda r: r["core_seconds"])
     assert f"{good['ratio']:.2f} l, {good['core_seconds']:.2g} s" in table[2].split("|")[4]
+
+
+def test_tricks_are_named_with_what_they_change(tmp_path):
+    """As measured; of one that was not measured nothing is said."""
+    row = {"case": "sleeve", "family": "mass 4", "kind": "trick", "relative_cost": 0.5}
+    rows = [
+        row | {"quantity": name, "error": e} for name, e in (("torque", 0.02), ("energy", 0.01))
+    ]
+    table = tmp_path / "table.csv"
+    table.write_text(trade_off.table_text(rows, trade_table.COLUMNS))
+    assert trade_table.tricks("sleeve", ["mass 4", "rotary 9"], table) == {
+        "mass 4": {"torque": 0.02, "energy": 0.01, "cost": 0.5}, "rotary 9": {}
+    }  # fmt: skip
+    particles = trade.tricks(Scene(steps=Steps(dressing="particles")))
+    assert set(particles) == {"dressed by particles"} and trade.tricks(Scene()) == {}
+
+
+def test_a_heavier_sleeve_takes_larger_steps(tmp_path):
+    """Steps go with the root of the mass; the demo says which trick was used."""
+    given = ("--around", 12, "--friction", 0, "--cycles", 1)
+    seen = {}
+    for mass in (1, 16):
+        done = run("demos/hinge_sleeve.py", *given, "--mass-scale", mass, "--out", tmp_path)
+        assert done.returncode == 0, done.stderr
+        seen[mass] = json.loads((tmp_path / "summary.json").read_text())
+    assert seen[1]["steps"] / seen[16]["steps"] == pytest.approx(4, rel=0.05)
+    assert seen[1]["tricks"] == {} and set(seen[16]["tricks"]) == {"mass 16"}
 
 
 def test_trade_of_the_default_scene(tmp_path, capsys, monkeypatch):
