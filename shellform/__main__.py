@@ -81,7 +81,7 @@ def parser():
     run.add_argument(
         "--estimate",
         action="store_true",
-        help="a run with coarser cells beside, to estimate the error reached",
+        help="a run with other cells beside, to estimate the error reached",
     )
     resume = kinds.add_parser(
         "resume", allow_abbrev=False, help="go on with a run that was stopped"
@@ -119,10 +119,12 @@ def main(given=None):
         return
     from . import account, activity
     from .accuracy import told
-    from .trade import estimate
+    from .trade import check_cells, estimate
 
     if options.do == "run":
         out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
+        if options.estimate:
+            check_cells(scene, "--estimate")
         results = activity.run(scene, out, comm, options.dressed)
         if options.estimate:
             estimate(scene, out, comm)

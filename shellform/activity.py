@@ -208,7 +208,7 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
             pressure.save(out / "pressure.npz", skin.result())
     report.write(
         results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt,
-        accuracy=trade.entry(scene), tricks=trade.tricks(scene),
+        accuracy=trade.entry(activity), tricks=trade.tricks(scene),
     )  # fmt: skip
     return results
 

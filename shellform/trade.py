@@ -14,7 +14,7 @@ import numpy as np
 
 from . import account, trade_table
 from .accuracy import GARMENT, LEADING
-from .law import richardson
+from .law import FLAT, left
 from .results import write_atomically
 from .torque import rows_until
 
@@ -83,6 +83,7 @@ def trade(scene, comm, out=None):
     """
     from . import activity
 
+    check_cells(scene, "the trade")
     built = activity.Activity(scene, comm)
     seconds = built.wearer.end - built.wearer.start + DRESSED
     rows = options(scene, built, seconds)
@@ -120,46 +121,77 @@ def difference(one, other):
     return float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
 
 
-def coarser(scene):
-    """The scene with cells of twice the size, or as large as still makes trousers."""
-    size = min(2 * scene.cell_size, max(COARSEST, 1.2 * scene.cell_size))
+def beside(scene):
+    """The scene with other cells: of twice the size, or as large as still makes trousers.
+
+    Where the scene's own are nearly that large, cells of four fifths of the size.
+    """
+    size = min(2 * scene.cell_size, COARSEST)
+    if size < 1.1 * scene.cell_size:
+        size = 0.8 * scene.cell_size
     return replace(scene, garment=replace(scene.garment, cell_size=size))
+
+
+def check_cells(scene, what):
+    """ValueError if the cells of a scene cannot be chosen; what : str, that needs others."""
+    if scene.garment.file:
+        raise ValueError(
+            f"{what} needs cells of other sizes, and garment.file = {scene.garment.file} has its "
+            "own: leave it out, or compare runs of your own meshes"
+        )
+
+
+def choice_of(activity):
+    """`accuracy.Choice` of the cells that are there; a garment from a file has its own."""
+    scene = activity.scene
+    if not scene.garment.file:
+        return scene.choice
+    return replace(scene.choice.at(activity.surface.mean_cell_size), asked=None, kept=True)
 
 
 def foretold(activity):
     """Lines before a run: the errors predicted and the time it will take on these ranks."""
-    scene, stepper = activity.scene, activity.stepper
-    choice, wearer = scene.choice, activity.wearer
+    choice, wearer = choice_of(activity), activity.wearer
     if not choice.laws:
         return choice.lines()
-    steps = (wearer.end - wearer.start + DRESSED) / stepper.dt
+    steps = (wearer.end - wearer.start + DRESSED) / activity.stepper.dt
     nodes = len(activity.surface.points)
     work = trade_table.seconds(choice.case, choice.family, nodes, steps)
     return choice.lines(work / activity.comm.size)
 
 
-def entry(scene):
+def entry(activity):
     """`accuracy` of summary.json for a run with no other beside."""
-    choice = scene.choice
+    choice = choice_of(activity)
     error = choice.error if choice.laws else None
     return choice.summary(error, "from errors measured beforehand, no run beside")
 
 
 def estimate(scene, out, comm):
-    """Run the scene with coarser cells beside, and enter what that tells into summary.json.
+    """Run the scene with other cells beside, and enter what that tells into summary.json.
 
-    It takes an eighth to a half of the cost. All ranks call; returns the entry.
+    It takes an eighth to a half of the cost, twice it with the coarsest cells. All ranks call;
+    returns the entry.
+
+    Raises
+    ------
+    as `activity.run`; ValueError for a garment from a file
     """
     from . import activity
 
-    out, choice, other = Path(out), scene.choice, coarser(scene)
-    activity.run(other, out / "coarser", comm)
+    check_cells(scene, "an estimate")
+    out, choice, other = Path(out), scene.choice, beside(scene)
+    activity.run(other, out / "beside", comm)
     comm.Barrier()
-    by = other.cell_size / scene.cell_size
-    left = richardson(difference(out, out / "coarser"), 0.0, by, choice.order)
-    spread = choice.law.spread if choice.laws else 0.0
-    how = f"run with cells of {1e3 * other.cell_size:.3g} mm; what another start changes added"
-    entry = choice.summary(float(np.hypot(left, spread)), how)
+    apart, how = difference(out, out / "beside"), f"cells of {1e3 * other.cell_size:.3g} mm"
+    if choice.order < FLAT:
+        # what two runs differ by then is what either is off by
+        error, how = apart, f"difference from a run with {how}, as errors show no order in the size"
+    else:
+        size = left(apart, 1 / scene.cell_size, 1 / other.cell_size, choice.order)
+        error = float(np.hypot(size, choice.law.spread if choice.laws else 0.0))
+        how = f"run with {how}; what another start changes added"
+    entry = choice.summary(error, how)
     comm.Barrier()
     if comm.rank == 0:
         summary = account.summary_of(out) | {"accuracy": entry}

@@ -342,7 +342,7 @@ def false_run(monkeypatch, order=2.0):
             *(f"right_knee,{k},{t!r}" for k, t in enumerate(curve)),
         ]
         (out / "torque.csv").write_text("\n".join(text) + "\n")
-        entry = {"seconds": {"total": 60.0}, "accuracy": trade.entry(scene)}
+        entry = {"seconds": {"total": 60.0}}
         (out / "summary.json").write_text(json.dumps(entry))
 
     monkeypatch.setattr(activity, "run", run)
@@ -359,6 +359,29 @@ def test_a_run_beside_tells_the_error(tmp_path, monkeypatch):
     assert entry == account.summary_of(tmp_path)["accuracy"]
     assert entry["estimated"] == pytest.approx(0.018**2, rel=1e-2)
     assert entry["asked"] is None and entry["cell_size"] == pytest.approx(0.018)
+    # where errors show no order the difference itself is told
+    flat = Law(0.3, 0.0, finest=0.1, coarsest=10.0)
+    monkeypatch.setattr(accuracy, "laws", lambda *_, **__: {"quads": {"torque": flat}})
+    entry = trade.estimate(scene, tmp_path, command.MPI.COMM_SELF)
+    assert entry["estimated"] == pytest.approx(3 * 0.018**2, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("size", "other"), [(0.0175, 0.035), (0.025, 0.04), (0.035, 0.04), (0.04, 0.032)]
+)
+def test_cells_beside_make_trousers(size, other):
+    assert trade.beside(Scene(garment=Garment(cell_size=size))).cell_size == pytest.approx(other)
+
+
+@pytest.mark.parametrize("given", [["trade"], ["run", "--estimate"]])
+def test_cells_of_a_file_cannot_be_chosen(given, tmp_path, capsys):
+    """One sentence, before any computation."""
+    (tmp_path / "scene.toml").write_text('[garment]\nfile = "skirt.obj"')
+    with pytest.raises(SystemExit) as stop:
+        command.run(main, [*given, str(tmp_path / "scene.toml")])
+    said = capsys.readouterr()
+    assert stop.value.code == 2 and said.out == ""
+    assert "needs cells of other sizes, and garment.file" in said.err
 
 
 def test_the_two_cheapest_are_compared(tmp_path, monkeypatch):
