@@ -31,6 +31,7 @@ from shellform.results import Report, Series
 
 COMM = MPI.COMM_WORLD
 FAMILIES = ("quads", "nine-node quads")  # by degree
+STEPS = 20  # load steps a turn
 STRETCH = 1 / 6  # of (kappa t)^2, measured with 64 cells for t/L from 1/240 to 1/60
 
 
@@ -53,7 +54,7 @@ def arguments(given):
     if not np.isfinite(options.turns) or options.turns == 0:
         parser.error("--turns must be a finite number other than zero")
     if options.steps is None:
-        options.steps = max(1, int(np.ceil(20 * abs(options.turns))))
+        options.steps = max(1, int(np.ceil(STEPS * abs(options.turns))))
     return options
 
 
@@ -169,7 +170,9 @@ def main(given=None):
     report.shift(statics.equilibrium.assembly_seconds, "solve", "assemble")
 
     # ## What other cells differ by
-    told = {}
+    usual = int(np.ceil(STEPS * abs(turns)))
+    used = [f"{options.steps} load steps"] if options.steps < usual else []
+    told = {"tricks": trade_table.tricks("roll_up", used)}
     if choice:
         with report.stage("solve"):
             told["accuracy"] = reached(options, choice, tip)

@@ -48,15 +48,16 @@ def _cheapest(rows, error):
 
 def changes():
     """What another start, half the step and tricks change, and what they cost."""
-    said = ["| scene | what | changes | by | time over that without |", "|---|---|---|---|---|"]
-    for row in trade_table.read():
-        if row["kind"] in KINDS:
-            cost = row["relative_cost"]
-            said.append(
-                f"| {row['case'].replace('_', ' ')} | {CALLED.get(row['kind'], row['family'])} | "
-                f"{row['quantity']} | {percent(row['error'])} | "
-                f"{'' if math.isnan(cost) else f'{cost:.2f}'} |"
-            )
+    said = ["| scene | what | changes | time over that without |", "|---|---|---|---|"]
+    rows = [row for row in trade_table.read() if row["kind"] in KINDS]
+    for case in LEADING:
+        mine = [row for row in rows if row["case"] == case]
+        for kind, family in dict.fromkeys((row["kind"], row["family"]) for row in mine):
+            some = [row for row in mine if (row["kind"], row["family"]) == (kind, family)]
+            what = ", ".join(f"{row['quantity']} {percent(row['error'])}" for row in some)
+            cost = some[0]["relative_cost"]
+            name, cost = CALLED.get(kind, family), "" if math.isnan(cost) else f"{cost:.2f}"
+            said.append(f"| {case.replace('_', ' ')} | {name} | {what} | {cost} |")
     return said
 
 

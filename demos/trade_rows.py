@@ -8,6 +8,7 @@ what the two finest differ by. That is then the error of the finest, too.
 
 import numpy as np
 
+FAR = 3.0  # times the difference of the two finest meshes that a reference may lie beyond them
 WORDS = ("kind", "family", "name")
 
 
@@ -35,14 +36,15 @@ def exact_rows(case, runs):
 
 def reference_rows(case, runs):
     """Errors against references made from the finest meshes of the first family."""
-    first = runs[0][0]["family"]
-    ladder = [found for s, found in runs if s["kind"] == "mesh" and s["family"] == first]
-    ladder.sort(key=lambda found: -found["ratio"])
-    rows = []
+    first, rows = runs[0][0]["family"], []
     for quantity in runs[0][1]["values"]:
-        reference, doubt = reference_of(
-            [f["ratio"] for f in ladder], [f["values"][quantity] for f in ladder]
-        )
+        # other starts of a mesh count for it: their mean is what folds repeat
+        ladder = {}
+        for settings, found in runs:
+            if settings["family"] == first and settings["kind"] in ("mesh", "start"):
+                ladder.setdefault(found["ratio"], []).append(found["values"][quantity])
+        ratios = sorted(ladder, reverse=True)
+        reference, doubt = reference_of(ratios, [np.mean(ladder[r], axis=0) for r in ratios])
         size = rms(reference)
         scalar = float(reference) if np.ndim(reference) == 0 else f"curve of rms {size:.4g}"
         spreads, groups = [], {}
@@ -61,7 +63,7 @@ def reference_rows(case, runs):
         for group in groups.values():
             values, ones = zip(*group, strict=True)
             error = np.sqrt(np.mean([rms(v - reference) ** 2 for v in values])) / size
-            if ones[0]["ratio"] == ladder[-1]["ratio"]:
+            if ones[0]["ratio"] == ratios[-1]:
                 error = max(error, doubt / size)
             rows.append(ones[0] | {"kind": "mesh", "error": float(error), "starts": len(group)})
             if len(group) > 1:
@@ -89,8 +91,10 @@ def reference_of(ratios, values):
         order = observed_order(ratios[-3:], values[-3:])
         if 0.5 < order < 8:
             by = ratios[-2] / ratios[-1]
-            best = fine + (fine - values[-2]) / (by**order - 1)
-            return best, rms(best - fine)
+            # meshes too much alike say too little of what lies beyond them
+            if FAR * (by**order - 1) > 1:
+                best = fine + (fine - values[-2]) / (by**order - 1)
+                return best, rms(best - fine)
     return fine, apart
 
 

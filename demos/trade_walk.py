@@ -27,7 +27,7 @@ SECONDS, KNEES = 2.0, ("right_knee", "left_knee")
 FIRST = 0.035  # m, cells of the runs that change something else
 
 
-def walk_case(folder, sizes=(0.04, FIRST, 0.0245, 0.0175), seconds=SECONDS):
+def walk_case(folder, sizes=(0.04, FIRST, 0.0245, 0.02, 0.0175), seconds=SECONDS):
     """Case of the walk; runs leave their files in `folder`."""
     folder = Path(folder) / "walk"
     length = accuracy.garment_length(fabric(Scene(fabric="compliant")))

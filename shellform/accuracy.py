@@ -22,6 +22,7 @@ WORDS = {"draft": 0.03, "standard": 0.01, "fine": 0.001}
 # cells in a garment, by the word: size over the length that matters; what error these leave in a
 # torque is measured, not asked for, as folds repeat to some ten percent only
 GARMENT = {"draft": 2.0, "standard": 1.4, "fine": 1.0}
+POOR = 0.1  # spreads and doubts above it are told
 LIMB = 0.0525  # m, radius of a limb where trousers meet it
 # which quantity of a case an error is asked of
 LEADING = {
@@ -113,9 +114,14 @@ class Choice:
             f"{self.ratio:.3g} of {1e3 * self.length:.3g} mm; predicted errors: {said}"
             + (f"; about {_time(seconds)}" if seconds is not None else "")
         ]
-        spread = self.law.spread if self.laws else 0.0
-        if self.kept and spread > 0.5 * self.error:
+        spread, doubt = (self.law.spread, self.law.doubt) if self.laws else (0.0, 0.0)
+        if spread > POOR:
             lines.append(f"of {quantity} another start alone changes {_percent(spread)}")
+        if doubt > POOR:
+            lines.append(
+                f"errors of {quantity} were measured against a value that is itself known to "
+                f"{_percent(doubt)}: take them for a guess"
+            )
         if not self.kept:
             law = self.law
             if law.spread >= (0.0 if isinstance(self.asked, str) else self.asked):
@@ -134,6 +140,7 @@ class Choice:
             "predicted_all": self.predicted,
             "promised": self.kept,
             "another_start_changes": self.law.spread if self.laws else None,
+            "measured_against_known_to": self.law.doubt if self.laws else None,
             "estimated": estimated,
             "how": how,
             "cell_size": self.size,

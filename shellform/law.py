@@ -23,6 +23,7 @@ class Law:
     factor, order : C and p; spread : see the header
     scatter : >= 1, factor by which measured errors lie about the law
     finest, coarsest : r measured; the law is not trusted above the coarsest
+    doubt : relative uncertainty of what errors were measured against
     """
 
     factor: float
@@ -31,6 +32,7 @@ class Law:
     scatter: float = 1.0
     finest: float = 0.0
     coarsest: float = math.inf
+    doubt: float = 0.0
 
     def error(self, ratio, sensitivity=1.0, own=0.0):
         """Relative error at r."""
@@ -66,11 +68,12 @@ def fit(ratios, errors, unsure=0.0, spread=0.0):
     order = np.argsort(ratios)
     r, e = np.asarray(ratios, float)[order], np.asarray(errors, float)[order]
     doubt = np.broadcast_to(np.asarray(unsure, float), e.shape)[order]
+    known = float(doubt.max())
     keep = e > np.maximum(2 * doubt, 1.2 * spread)
     if keep.sum() < 2:
         # nothing but what stays anyway is seen
         level = math.sqrt(max(np.mean(e**2) - spread**2, 1e-30))
-        return Law(level, 0.0, spread, 1.5, r[0], r[-1])
+        return Law(level, 0.0, spread, 1.5, r[0], r[-1], known)
     r, e = r[keep], np.sqrt(e[keep] ** 2 - spread**2)
     while True:
         p, c = np.polyfit(np.log(r), np.log(e), 1)
@@ -82,7 +85,7 @@ def fit(ratios, errors, unsure=0.0, spread=0.0):
         p, c = 0.0, np.log(e).mean()
         off = np.log(e) - c
     scatter = float(np.exp(np.sqrt(np.mean(off**2))))
-    return Law(float(np.exp(c)), float(p), spread, max(scatter, 1.05), r[0], r[-1])
+    return Law(float(np.exp(c)), float(p), spread, max(scatter, 1.05), r[0], r[-1], known)
 
 
 def richardson(fine, coarse, by, order):

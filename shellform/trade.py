@@ -62,7 +62,7 @@ def lines(scene, rows, ranks):
         kept = "" if word else ("yes" if choice.kept else "no")
         minutes = row.get("core_seconds", np.nan) / 60 / ranks
         said.append(
-            f"{row['asked']:>9}  {100 * choice.error:5.2g}%  {kept:>4}  {1e3 * choice.size:8.1f}  "
+            f"{row['asked']:>9}  {100 * choice.error:5.0f}%  {kept:>4}  {1e3 * choice.size:8.1f}  "
             f"{row['nodes']:6.0f}  {row['time_step']:8.1e}  {minutes:7.1f}  "
             f"{row.get('memory_mb', np.nan):5.0f}"
         )
@@ -70,8 +70,10 @@ def lines(scene, rows, ranks):
     if known:
         spreads = ", ".join(f"{name} {100 * law.spread:.2g} %" for name, law in known.items())
         said.append(f"another start alone changes: {spreads}")
+        law = known[LEADING["walk"]]
+        said.append(f"errors were measured against a torque known to {100 * law.doubt:.2g} %")
     broken = [row["choice"] for row in rows if not row["choice"].kept]
-    return said + (broken[0].lines()[1:] if broken else [])
+    return said + (broken[0].lines()[-1:] if broken else [])
 
 
 def trade(scene, comm, out=None):

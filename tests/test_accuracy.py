@@ -117,10 +117,13 @@ def test_what_cannot_be_promised_is_told():
     """A walk repeats to some percent only: 0.1 % is refused in words, with what it leaves."""
     choice = accuracy.choose("walk", "0.1%", 0.0175)
     assert not choice.kept
-    assert "0.1% of torque cannot be promised" in choice.lines()[1]
+    assert "0.1% of torque cannot be promised" in choice.lines()[-1]
     words = [accuracy.choose("walk", word, 0.0175) for word in ("draft", "standard", "fine")]
     assert all(word.kept for word in words)
-    assert all("of torque another start alone changes" in word.lines()[1] for word in words)
+    for word in words:
+        # folds choose among many states: what is lost to that is told with every choice
+        assert any("of torque another start alone changes" in line for line in word.lines())
+        assert word.error > word.law.spread > 0.05
 
 
 @pytest.mark.parametrize("wrong", ["0%", "banana", "100%", "-3%", "3", "", "nan%", 0.0, 2, None])
@@ -327,8 +330,7 @@ def test_trade_of_the_default_scene(tmp_path, capsys, monkeypatch):
     assert minutes[0] < minutes[1] < minutes[2]
     assert not (tmp_path / "out").exists()
     # what no cells can keep is told with the reason
-    assert any("0.3% of torque cannot be promised" in line or "cannot be promised" in line
-               for line in said[9:])  # fmt: skip
+    assert "of torque cannot be promised: " in said[-1]
 
 
 def false_run(monkeypatch, order=2.0):
