@@ -7,7 +7,7 @@
 import math
 
 from shellform import trade_table
-from shellform.accuracy import LEADING
+from shellform.accuracy import LEADING, WORDS, choose, percent
 from shellform.law import cheapest
 
 ERRORS = (0.1, 0.03, 0.01, 0.003)
@@ -16,8 +16,8 @@ CALLED = {"spread": "another start", "step": "half the time step"}
 
 
 def lines():
-    """Both tables in Markdown."""
-    return [*meshes(), "", *changes()]
+    """The three tables in Markdown."""
+    return [*meshes(), "", *words(), "", *changes()]
 
 
 def meshes():
@@ -54,13 +54,29 @@ def changes():
         mine = [row for row in rows if row["case"] == case]
         for kind, family in dict.fromkeys((row["kind"], row["family"]) for row in mine):
             some = [row for row in mine if (row["kind"], row["family"]) == (kind, family)]
-            what = ", ".join(f"{row['quantity']} {percent(row['error'])}" for row in some)
+            what = ", ".join(f"{row['quantity']} {short(row['error'])}" for row in some)
             cost = some[0]["relative_cost"]
             name, cost = CALLED.get(kind, family), "" if math.isnan(cost) else f"{cost:.2f}"
             said.append(f"| {case.replace('_', ' ')} | {name} | {what} | {cost} |")
     return said
 
 
-def percent(error):
-    """An error as a text."""
-    return f"{100 * error:.2g} %" if 100 * error >= 0.001 else "0"
+def words():
+    """What the words choose in each scene: size of the cells, error; a star: not what was asked."""
+    said = ["| scene | draft | standard | fine |", "|---|---|---|---|"]
+    for case in LEADING:
+        if not trade_table.laws(case, needed=False):
+            continue
+        found = [choose(case, word, 1.0) for word in WORDS]
+        cells = (
+            f"{choice.ratio:.2f} l, {percent(choice.error)}"
+            + ("" if choice.error <= WORDS[choice.asked] else " *")
+            for choice in found
+        )
+        said.append(f"| {case.replace('_', ' ')} | {' | '.join(cells)} |")
+    return said
+
+
+def short(error):
+    """An error as a text, 0 for what is none."""
+    return percent(error) if error >= 1e-5 else "0"

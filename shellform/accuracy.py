@@ -103,12 +103,12 @@ class Choice:
         """What was asked for, as a text."""
         if self.asked is None:
             return "cells as given"
-        return f"accuracy {self.asked if isinstance(self.asked, str) else _percent(self.asked)}"
+        return f"accuracy {self.asked if isinstance(self.asked, str) else percent(self.asked)}"
 
     def lines(self, seconds=None):
         """Lines for a person, before the start; seconds : predicted [s] or None."""
         quantity, wish = LEADING[self.case], self.wish
-        said = ", ".join(f"{name} {_percent(e)}" for name, e in self.predicted.items())
+        said = ", ".join(f"{name} {percent(e)}" for name, e in self.predicted.items())
         lines = [
             f"{wish}: {self.family}, cells of {1e3 * self.size:.3g} mm = "
             f"{self.ratio:.3g} of {1e3 * self.length:.3g} mm; predicted errors: {said}"
@@ -116,18 +116,18 @@ class Choice:
         ]
         spread, doubt = (self.law.spread, self.law.doubt) if self.laws else (0.0, 0.0)
         if spread > POOR:
-            lines.append(f"of {quantity} another start alone changes {_percent(spread)}")
+            lines.append(f"of {quantity} another start alone changes {percent(spread)}")
         if doubt > POOR:
             lines.append(
                 f"errors of {quantity} were measured against a value that is itself known to "
-                f"{_percent(doubt)}: take them for a guess"
+                f"{percent(doubt)}: take them for a guess"
             )
         if not self.kept:
             law = self.law
             if law.spread >= (0.0 if isinstance(self.asked, str) else self.asked):
-                why = f"runs from another start differ by {_percent(law.spread)}"
+                why = f"runs from another start differ by {percent(law.spread)}"
             else:
-                why = f"cells so fine have not been measured; these leave {_percent(self.error)}"
+                why = f"cells so fine have not been measured; these leave {percent(self.error)}"
             lines.append(f"{wish} of {quantity} cannot be promised: {why}")
         return lines
 
@@ -201,13 +201,14 @@ def told(entry):
     """A line for a person after a run, from `Choice.summary`."""
     if entry["predicted"] is None:
         return f"error of {entry['of']}: not measured, shellform/trade.csv has none of this case"
-    line = f"error of {entry['of']}: predicted {_percent(entry['predicted'])}"
+    line = f"error of {entry['of']}: predicted {percent(entry['predicted'])}"
     if entry["estimated"] is not None:
-        line += f", estimated {_percent(entry['estimated'])}"
+        line += f", estimated {percent(entry['estimated'])}"
     return f"{line} ({entry['how']})"
 
 
-def _percent(error):
+def percent(error):
+    """An error as a text."""
     return f"{100 * error:.2g} %" if error < 0.995 else f"{100 * error:.0f} %"
 
 
