@@ -13,6 +13,7 @@ What holds a belt: the pelvis is widest near the hip joints and narrows upwards,
 widest above the waist and narrows downwards. They meet in a crease all around, narrower than both,
 just below the waist; a loop drawn tight there needs force to move either way. The crotch is the
 lower end of the pelvis between the thighs, which are deeper than wide and so just do not touch.
+Where hip joints are close together the thighs do not move into one another: flesh goes outward.
 """
 
 from itertools import pairwise
@@ -22,6 +23,7 @@ from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, QhullError
 from scipy.special import ellipe
 
+from contact.leg import HIP_SPACING
 from contact.recording import SIDES
 
 STATURE, MASS = 1.755, 84.6  # medians [m], [kg]
@@ -41,13 +43,16 @@ CALF_OVER_KNEE = 0.055  # how far the shank reaches over the knee centre [m]
 ANKLE_LEVEL = 0.030  # where the ankle is thinnest, up from its centre [m]
 THIGH_PAST = (0.105, 0.050)  # how far the thigh reaches past hip and knee centre [m]
 THIGH_HALF_BREADTH, THIGH_OUTWARD = 0.092, 0.010  # [m]
+THIGH_GAP = 0.003  # from the middle plane to a thigh, at least, when standing [m]
 FOOT_LENGTH, FOOT_BREADTH, FOOT_HEIGHT, SHOE = 0.267, 0.102, 0.090, 0.0075  # [m]
 ENDS_UP = 0.035  # of heel and toe ends above the sole [m]
 LEAST, MOST = 0.1, 2.5  # girths taken for metres
 TILT = 1e-9  # of an ellipsoid's section below which a plane only touches it
 
 
-def ellipsoids(lengths, stature=STATURE, mass=None, girths=None, feet=True):
+def ellipsoids(
+    lengths, stature=STATURE, mass=None, girths=None, feet=True, hip_spacing=None
+):  # fmt: skip
     """Ellipsoids of the lower body.
 
     Parameters
@@ -57,6 +62,7 @@ def ellipsoids(lengths, stature=STATURE, mass=None, girths=None, feet=True):
     mass : float [kg] or None: of median build, 84.6 kg at 1.755 m, with the square of stature
     girths : dict of the wearer's own girths [m]: any of waist, hip, thigh, calf, ankle
     feet : False leaves them out, as when trousers are put on
+    hip_spacing : distance of the hip centres [m]; None: that of a median man, by stature
 
     Returns
     -------
@@ -76,9 +82,11 @@ def ellipsoids(lengths, stature=STATURE, mass=None, girths=None, feet=True):
     if missing:
         raise ValueError(f"the wearer's segments lack {', '.join(missing)}")
     scale = stature / STATURE
+    hip_spacing = HIP_SPACING * scale if hip_spacing is None else hip_spacing
     legs = []
     for side in SIDES:
-        legs.append((f"{side}_thigh", *_thigh(long[f"{side}_thigh"], size["thigh"], scale)))
+        thigh = _thigh(long[f"{side}_thigh"], size["thigh"], scale, hip_spacing)
+        legs.append((f"{side}_thigh", *thigh))
         legs.append((f"{side}_shank", *_shank(long[f"{side}_shank"], size, scale)))
         if feet and f"{side}_foot" in long:
             legs.append((f"{side}_foot", *_foot(long[f"{side}_foot"], scale, side)))
@@ -160,7 +168,7 @@ def girth(centres, axes, radii, level, normal=(0.0, 0.0, 1.0)):
         return 0.0
 
 
-def _thigh(long, size, scale):
+def _thigh(long, size, scale, hip_spacing):
     """Centre and radii of a thigh whose girth is right at `THIGH`, all along, outward, fore-aft."""
     over, under = (past * scale for past in THIGH_PAST)
     half = 0.5 * (long + over + under)
@@ -169,7 +177,8 @@ def _thigh(long, size, scale):
     shrink = np.sqrt(1 - ((level - centre) / half) ** 2)
     breadth = THIGH_HALF_BREADTH * np.sqrt(size / GIRTHS["thigh"]) * np.sqrt(scale)
     depth = _other_axis(size, shrink * breadth) / shrink
-    return np.array([centre, THIGH_OUTWARD * scale, 0.0]), np.array([half, breadth, depth])
+    outward = max(THIGH_OUTWARD * scale, breadth + THIGH_GAP * scale - 0.5 * hip_spacing)
+    return np.array([centre, outward, 0.0]), np.array([half, breadth, depth])
 
 
 def _shank(long, size, scale):

@@ -18,6 +18,7 @@ the change of kinetic energy, and nodes at rest dissipate nothing.
 import numpy as np
 from numba import njit
 
+from contact.clearance import CLEAR, LEAST, STEPS, left_of, look, surface_motion
 from contact.friction import coefficients
 from contact.jump import require_no_jump
 from contact.pinch import mates_of
@@ -31,10 +32,12 @@ EVERY = 2**63 - 1  # all segments
 @njit(cache=True, error_model="numpy")
 def _correct(
     x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
-    planes, room, segment, sunk, impulse, book, window, window_book, counts,
+    planes, room, clear, path, segment, sunk, impulse, book, window, window_book, counts,
 ):  # fmt: skip
-    """One step of contact for all points; number + 1 of one not finite; depths."""
-    set_travel(start, start_axes, end, end_axes, radii, law[2], travel)
+    """One step of contact for all points; number + 1 of one not finite; depths; body's motion."""
+    offset = law[2]
+    set_travel(start, start_axes, end, end_axes, radii, offset, travel)
+    motion, shortest = surface_motion(travel, offset)
     counts[:] = 0
     book[:] = 0.0
     deepest = pinched = 0.0
@@ -42,18 +45,30 @@ def _correct(
     for i in range(len(x)):
         total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
         if not (np.isfinite(total) and 0.0 < mass[i] < np.inf):
-            return i + 1, deepest, pinched
+            return i + 1, deepest, pinched, motion
         for c in range(3):
             impulse[i, c] = 0.0
         reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
-        if fixed[i] or not in_reach(x[i], reach, travel, allowed[i]):
+        if fixed[i]:
+            segment[i], sunk[i] = -1, 0
+            continue
+        left = left_of(x[i], path, motion, clear[i])
+        if left < reach and motion < np.inf:
+            margin = max(STEPS * (reach + motion), LEAST * shortest)
+            counts[EVALUATED] += look(
+                x[i], path, margin, allowed[i], travel, offset, clear[i]
+            )  # fmt: skip
+            left = left_of(x[i], path, motion, clear[i])
+        far = clear[i].far if left >= reach else 0
+        may = allowed[i] & ~far
+        if not may or not in_reach(x[i], reach, travel, may):
             segment[i], sunk[i] = -1, 0
             continue
         for c in range(3):
             kick[c] = v[i, c] - old[i, c]
         segment[i], sunk[i], depth, pinch = meet_body(
-            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], sunk[i], travel, planes,
-            room, book, counts, change,
+            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], sunk[i], far, left, travel,
+            planes, room, book, counts, change,
         )  # fmt: skip
         deepest, pinched = max(deepest, depth), max(pinched, pinch)
         if segment[i] >= 0:
@@ -62,7 +77,7 @@ def _correct(
                 impulse[i, c] = mass[i] * change[c]
                 window[i, c] += impulse[i, c]
     window_book += book
-    return 0, deepest, pinched
+    return 0, deepest, pinched, motion
 
 
 class Correction:
@@ -127,6 +142,8 @@ class Correction:
         self._radii = np.ascontiguousarray(body.radii, float)
         self._scratch = np.zeros(m, TRAVEL), np.zeros(2 * m, PLANE), np.zeros((6, 3))
         self._scratch[0]["bit"], self._scratch[0]["mates"] = bits, mates_of(body)
+        self._clear, self._path = np.zeros(nodes, CLEAR), 0.0
+        self._clear["room"] = -1.0
         self._start, self._end = body.new_pose(), body.new_pose()
         self._start_time = self._end_time = None
 
@@ -160,12 +177,15 @@ class Correction:
             )
         self._move(t, t + dt)
         last, window = self.last, self.window
-        bad, self.max_depth, self.pinch_depth = _correct(
+        bad, self.max_depth, self.pinch_depth, motion = _correct(
             x, v, v if v_old is None else v_old, mass, self.fixed, self.allowed, dt, self._law,
             self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
-            *self._scratch, self.segment, self.sunk, last.impulse, last.table, window.impulse,
-            window.table, self._counts,
+            *self._scratch, self._clear, self._path, self.segment, self.sunk, last.impulse,
+            last.table, window.impulse, window.table, self._counts,
         )  # fmt: skip
+        self._path += motion
+        if motion == np.inf:
+            self._path, self._clear["room"] = 0.0, -1.0
         if bad:
             i = bad - 1
             if not 0 < mass[i] < np.inf:
@@ -181,8 +201,10 @@ class Correction:
         """Poses at the two times; the end of one step usually is the start of the next."""
         if start == self._end_time:
             self._start, self._end = self._end, self._start
-        elif start != self._start_time:
-            self.body.pose(start, self._start)
+        else:
+            self._clear["room"] = -1.0
+            if start != self._start_time:
+                self.body.pose(start, self._start)
         self.body.pose(end, self._end)
         self._start_time, self._end_time = start, end
         names = self.body.names

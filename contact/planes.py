@@ -79,7 +79,9 @@ def set_plane(plane, owner, body, n0, n1, n2, height, depth, u0, u1, u2):
 
 
 @njit(cache=True, error_model="numpy")
-def find_planes(x, at, tau, step, travel, allowed, offset, recover, count, planes):
+def find_planes(
+    x, at, tau, step, travel, allowed, far, left, offset, recover, count, planes
+):  # fmt: skip
     """Add planes of the ellipsoids that the next leg of the path may reach and that have none yet.
 
     The leg goes from x + at, at the fraction tau of the step, to x + step at its end. All
@@ -93,6 +95,7 @@ def find_planes(x, at, tau, step, travel, allowed, offset, recover, count, plane
     step : (3,) float, end of the leg [m]
     travel : (m,) TRAVEL; offset : float, of the surface that is met [m]
     allowed : int, segments that the point can touch, see travel.py
+    far : int, segments that a step of up to `left` [m] cannot reach, see clearance.py
     recover : float, way out of a body allowed in one step to a point that starts inside [m]
     count : int, planes there already; planes : (m,) PLANE, filled
 
@@ -103,6 +106,8 @@ def find_planes(x, at, tau, step, travel, allowed, offset, recover, count, plane
     reach = np.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
     if tau > 0.0:
         reach += np.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
+    if reach <= left:
+        allowed &= ~far
     evaluated, known, soonest, rest = 0, count, 2.0, 1.0 - tau
     for b in range(len(travel)):
         body = travel[b]

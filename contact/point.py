@@ -88,7 +88,8 @@ def _rub(
 
 @njit(cache=True, error_model="numpy")
 def meet_body(
-    x, v, kick, mass, dt, law, last, allowed, sunk, travel, planes, room, book, counts, change
+    x, v, kick, mass, dt, law, last, allowed, sunk, far, left, travel, planes, room, book, counts,
+    change,
 ):  # fmt: skip
     """Contact of one point over one step.
 
@@ -101,6 +102,7 @@ def meet_body(
     last : int, segment of the last step or -1
     allowed : int, segments that the point can touch, see travel.py
     sunk : int, soft segments that have let the point in, see pinch.py
+    far : int, segments that a step of up to `left` [m] cannot reach, see clearance.py
     planes : (2 m,) PLANE; room : (5, 3) float, scratch
     book : (m, 9) float, added to; counts : (4,) int, added to
     change : (3,) float, filled: change of velocity [m/s]
@@ -128,7 +130,18 @@ def meet_body(
         stick, against = False, 0
         while True:
             found, tau, evaluated = find_planes(
-                x, at, tau, step, travel, allowed & ~sunk, offset, recovery * dt, count, planes
+                x,
+                at,
+                tau,
+                step,
+                travel,
+                allowed & ~sunk,
+                far,
+                left,
+                offset,
+                recovery * dt,
+                count,
+                planes,
             )
             counts[EVALUATED] += evaluated
             if found == count:

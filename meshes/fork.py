@@ -30,6 +30,7 @@ _SWING = np.radians(30.0)  # of the leg's rows there, downwards from the sideway
 _REACH_OF_ENDS = 0.4  # part of the groin line, from each end, that the ends of the bridge pull in
 _START = 0.8  # length of the slopes at the bridge over the distance to the thigh
 _FINER = 1.15  # number of cells along the bridge over that of equal cells
+_SAMPLES = 401  # along a column, to measure its length
 _ROUNDING = (0.3, 0.4)  # handles of the bridge's Bezier curves at its end and at the fork
 
 
@@ -84,6 +85,25 @@ def _bridge(ends, count):
         tangents.append(-sign * slope(t)[:: -int(sign)])
     points, tangents = (np.concatenate([back, front[1:]]) for back, front in (points, tangents))
     return points, tangents / np.linalg.norm(tangents, axis=1, keepdims=True)
+
+
+def _evenly(columns, count):
+    """Rows (count + 1, k, 3) at equal arc lengths along each of k columns, a spline of one piece.
+
+    Columns that leave the fork sideways turn down at once: equal steps of the spline's parameter
+    would put the first row so close below the bridge that it bounds the explicit step.
+    """
+    ends = columns.x
+    fine = columns(np.linspace(*ends, _SAMPLES))
+    lengths = np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=2), axis=0)
+    lengths = np.concatenate([np.zeros_like(lengths[:1]), lengths])
+    out = np.empty((count + 1, *fine.shape[1:]))
+    share = np.linspace(0.0, 1.0, count + 1)
+    for k, length in enumerate(lengths.T):
+        at = np.interp(share * length[-1], length, np.linspace(*ends, _SAMPLES))
+        out[:, k] = columns(at)[:, k]
+    out[0], out[-1] = fine[0], fine[-1]
+    return out
 
 
 def loft(waist, hip, thigh, knee, hem, ends, cell_size):
@@ -159,11 +179,9 @@ def loft(waist, hip, thigh, knee, hem, ends, cell_size):
         [count_cells(length, cell_size) for length in lengths],
     )
     middle = 0.5 * (distance.max() + distance.min()) * (levels[3] - levels[2])
-    crotch = rows(
-        levels[2:4],
-        np.stack([top, thigh]),
-        np.stack([below, arrival]),
-        [count_cells(middle, cell_size, least=2)],
+    crotch = _evenly(
+        CubicHermiteSpline(levels[2:4], np.stack([top, thigh]), np.stack([below, arrival])),
+        count_cells(middle, cell_size, least=2),
     )
     leg = rows(
         levels[3:],

@@ -10,6 +10,7 @@ import numpy as np
 from contact.recording import SIDES
 
 from . import build, torque
+from .plan import plan_of
 from .scene import PARTS
 from .scene_file import read_scene
 
@@ -96,7 +97,8 @@ def draw(out):
 
         skin = pressure.load(out / "pressure.npz")
         path = out / "pressure.png"
-        walk_pictures.pressure_figure(path, wearer, skin, wearer.start, scene.title)
+        worn = build.part_of(scene, wearer, skin.names)
+        walk_pictures.pressure_figure(path, worn, skin, wearer.start, scene.title)
 
 
 def settings(scene):
@@ -109,15 +111,8 @@ def settings(scene):
 
 def describe(report, activity):
     """Enter what is modelled into a report."""
-    report.describe(
-        activity.shell,
-        inertia="lumped",
-        contact=list(activity.wearer.names),
-        friction=list(activity.touch.correction.friction),
-        belt=activity.scene.belt,
-        joints=list(activity.wearer.joints),
-        time_step=activity.stepper.dt,
-    )
+    plan = plan_of(activity.scene, activity.whole, activity.surface)
+    report.describe(activity.shell, **plan, time_step=activity.stepper.dt)
 
 
 def dressing_frames(out):

@@ -17,6 +17,7 @@ from .belt import Belt
 from .dressing import Dressing, dress, settle
 from .ledger import Ledger
 from .newmark import Newmark
+from .reach import reach_of
 from .results import Report, Series
 from .scene_file import read_scene, write_scene
 from .shell import Shell
@@ -33,13 +34,16 @@ class Activity:
 
     Attributes
     ----------
-    wearer, surface, shell, stepper, touch : see build.py, Shell, Newmark, Touch
+    wearer : Wearer of those ellipsoids that the garment can come to
+    surface, shell, stepper, touch : see build.py, Shell, Newmark, Touch
+    whole : Wearer of all of them
     """
 
     def __init__(self, scene, comm):
         self.scene, self.comm = scene, comm
-        self.wearer = build.wearer_of(scene)
-        self.surface = build.garment_of(scene, self.wearer)
+        self.whole = build.wearer_of(scene)
+        self.surface = build.garment_of(scene, self.whole)
+        self.wearer = build.dressed_wearer(scene, self.whole, self.surface)
         fabric = build.fabric(scene)
         self.shell = Shell(self.surface, fabric, comm)
         if scene.gravity:
@@ -58,7 +62,7 @@ class Activity:
             friction = (friction, contact.kinetic_friction)
         soft = {"flesh_stiffness": contact.flesh_stiffness}
         touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
-        touch.correction.allowed[:] = build.reach_of(self.surface, self.wearer)[owned]
+        touch.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
         return touch
 
     @property

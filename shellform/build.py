@@ -17,7 +17,6 @@ from contact.leg import ANKLE_UP
 from contact.recording import SIDES, Recording
 from contact.wearer import Wearer
 
-from .reach import reach_of as reach_of
 from .reach import reachable
 from .scene_file import fabric_of
 from .torque import chosen_parts
@@ -64,13 +63,15 @@ def wearer_of(scene):
 
 
 def ellipsoids_of(scene, recording):
-    """Ellipsoids of the wearer of a scene, as rows for `Wearer`."""
+    """Ellipsoids of the wearer of a scene who stands in the first frame, as rows for `Wearer`."""
     person = scene.person
+    right, left = (recording.points[f"{side}_thigh"][0, 0] for side in SIDES)
     return anthropometry.ellipsoids(
         {name: length for name, (length, _) in recording.lengths().items()},
         stature=person.stature or recording.facts.get("stature"),
         mass=person.mass,
         girths=person.girths or None,
+        hip_spacing=float(np.linalg.norm(right - left)),
     )
 
 
@@ -83,7 +84,12 @@ def dressed_wearer(scene, wearer, surface):
     names = {wearer.names[k] for k in np.flatnonzero(near)}
     if isinstance(scene.output.parts, dict):
         names |= {name for named in scene.output.parts.values() for name in named}
-    if names >= set(wearer.names):
+    return part_of(scene, wearer, names)
+
+
+def part_of(scene, wearer, names):
+    """The wearer with only the ellipsoids of these names; the same if these are all."""
+    if set(names) >= set(wearer.names):
         return wearer
     rows = ellipsoids_of(scene, wearer.recording)
     return Wearer(wearer.recording, [row for row in rows if row[0] in names])

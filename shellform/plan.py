@@ -140,8 +140,8 @@ def plan(scene, comm):
     from .activity import Activity
     from .dressing import Dressing
 
-    wearer = build.wearer_of(scene)
     activity = Activity(scene, comm)
+    wearer = activity.whole
     surface, stepper = activity.surface, activity.stepper
     recording, fabric = wearer.recording, activity.shell.fabric
     facts, height = recording.facts, build.stance(wearer)[0]

@@ -36,7 +36,7 @@ from .quad_pieces import (
     turning,
     twist_rate,
     twisted,
-)  # fmt: skip
+)
 
 FIRST = np.array([0, 2, 0, 1, 2, 0])
 SECOND = np.array([1, 3, 2, 3, 1, 3])

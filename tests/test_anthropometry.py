@@ -34,6 +34,11 @@ def inside(point, centre, axes, radii):
     return np.sum((axes @ (point - centre) / radii) ** 2)
 
 
+def nearest(centre, axes, radii, side):
+    """Least y [m] of an ellipsoid's points, towards the left (side 1) or the right (-1)."""
+    return side * centre[1] - np.linalg.norm(radii * axes[:, 1])
+
+
 @pytest.fixture(scope="module")
 def body():
     return placed(ellipsoids(LENGTHS), standing(LENGTHS, hip_spacing=0.170))
@@ -131,6 +136,18 @@ def test_crotch_and_thighs(body, ansur):
     assert centre[2] - radii[0] == pytest.approx(ansur["crotchheight"][1] * 1e-3, abs=0.03)
     inner = min(section(*body["left_thigh"], z)[:, 1].min() for z in np.linspace(0.6, 0.9, 61))
     assert -0.002 < inner < 0.015
+
+
+@pytest.mark.parametrize("spacing", [0.120, 0.150, 0.170, 0.200])
+@pytest.mark.parametrize("mass", [60.0, 84.6, 120.0])
+def test_standing_thighs_do_not_overlap(spacing, mass):
+    """Close hip joints or full thighs: each stays on its side; of the median man, none is moved."""
+    rows = ellipsoids(LENGTHS, mass=mass, hip_spacing=spacing)
+    body = placed(rows, standing(LENGTHS, hip_spacing=spacing))
+    gap = min(nearest(*body[f"{name}_thigh"], side) for name, side in (("left", 1), ("right", -1)))
+    wide = {row[0]: row for row in ellipsoids(LENGTHS, mass=mass, hip_spacing=1.0)}
+    kept = all((row[2] == wide[row[0]][2]).all() for row in rows)
+    assert gap == pytest.approx(0.003, abs=1e-3) if not kept else gap >= 0.003 - 1e-3
 
 
 @pytest.mark.parametrize("knee", [0.0, 70.0, 140.0])

@@ -18,6 +18,7 @@ from contact.recording import Recording
 from shellform import build, command
 from shellform.__main__ import main
 from shellform.director import rotation_matrix
+from shellform.reach import reach_of
 from shellform.scene import Garment, Motion, Output, Person, Scene
 
 COARSE = Garment(cell_size=0.04)
@@ -83,7 +84,7 @@ def test_legs_reach_their_own_side():
     scene = Scene(garment=COARSE)
     wearer = build.wearer_of(scene)
     surface = build.garment_of(scene, wearer)
-    allowed = build.reach_of(surface, wearer)
+    allowed = reach_of(surface, wearer)
     for side, other in (("right", "left"), ("left", "right")):
         hem = allowed[surface.edges[f"{side}_hem"][:, 0]]
         for part in ("thigh", "shank", "foot"):

@@ -16,7 +16,8 @@ import meshes
 from contact import correction, point
 from contact.body import Body, Fixed, Segment
 from contact.correction import Correction
-from shellform import Fabric, Shell, Statics, build, explicit, inertia, stepper
+from shellform import Fabric, Shell, Statics, account, build, explicit, inertia, stepper
+from shellform.activity import Activity
 from shellform.element import energy_terms
 from shellform.internal_force import by_segments
 from shellform.newmark import Newmark
@@ -348,6 +349,18 @@ def test_a_high_step_brings_the_foot_to_the_hem():
     shorts = build.garment_of(scene, wearer)
     assert build.dressed_wearer(scene, wearer, shorts) is wearer
     assert not reachable(standing(wearer), shorts, belt=20.0).all()
+
+
+def test_a_run_leaves_out_what_its_plan_does(shared_tmp_path, comm):
+    """Bare feet are not in the body that the cloth meets, and summary.json says so."""
+    activity = Activity(level_walk(garment=SHORTS), comm)
+    met = activity.touch.correction.body.names
+    report = Report(shared_tmp_path, "walk", {}, comm)
+    account.describe(report, activity)
+    plan = report.summary["plan"]
+    assert plan["out_of_reach"] == [name for name in activity.whole.names if name not in met]
+    assert plan["out_of_reach"] == ["right_foot", "left_foot"] and plan["contact"] == list(met)
+    assert (activity.touch.correction.allowed < 1 << len(met)).all()
 
 
 def standing(wearer):
