@@ -3,7 +3,7 @@
 
 A reference is extrapolated from the finest meshes (Richardson) where three of them show an order,
 and is the finest itself where they do not; its uncertainty is what it differs from the finest, or
-what the two finest differ by. That is then the error of the finest, too.
+what the two finest differ by, and what another start changes. The finest is off by that, too.
 """
 
 import numpy as np
@@ -39,44 +39,54 @@ def reference_rows(case, runs):
     first, rows = runs[0][0]["family"], []
     for quantity in runs[0][1]["values"]:
         # other starts of a mesh count for it: their mean is what folds repeat
-        ladder = {}
+        meshes = {}
         for settings, found in runs:
-            if settings["family"] == first and settings["kind"] in ("mesh", "start"):
-                ladder.setdefault(found["ratio"], []).append(found["values"][quantity])
-        ratios = sorted(ladder, reverse=True)
-        reference, doubt = reference_of(ratios, [np.mean(ladder[r], axis=0) for r in ratios])
+            if settings["kind"] in ("mesh", "start"):
+                key = settings["family"], found["ratio"]
+                meshes.setdefault(key, []).append(found["values"][quantity])
+        ratios = sorted((ratio for family, ratio in meshes if family == first), reverse=True)
+        ladder = [np.mean(meshes[first, ratio], axis=0) for ratio in ratios]
+        reference, doubt = reference_of(ratios, ladder)
+        # a mean over few starts is no better known than these repeat
+        spread = spread_of(meshes.values())
+        doubt = float(np.hypot(doubt, spread / np.sqrt(len(meshes[first, ratios[-1]]))))
         size = rms(reference)
         scalar = float(reference) if np.ndim(reference) == 0 else f"curve of rms {size:.4g}"
-        spreads, groups = [], {}
+        same, told = {"reference": scalar, "uncertainty": doubt / size}, set()
         for settings, found in runs:
-            value = found["values"][quantity]
-            one = _row(settings, found, quantity)
-            one |= {"reference": scalar, "uncertainty": doubt / size}
-            if settings["kind"] in ("mesh", "start"):
-                groups.setdefault((settings["family"], found["ratio"]), []).append((value, one))
+            one = _row(settings, found, quantity) | same
+            if settings["kind"] in ("step", "trick"):
+                base = _base(settings, runs)
+                if base is not None:
+                    apart = found["values"][quantity] - base["values"][quantity]
+                    rows.append(one | {"error": rms(apart) / size} | _against(found, base))
                 continue
-            base = _base(settings, runs)
-            if base is None:
+            key = settings["family"], found["ratio"]
+            if key in told:
                 continue
-            one["error"] = rms(value - base["values"][quantity]) / size
-            rows.append(one | _against(found, base))
-        for group in groups.values():
-            values, ones = zip(*group, strict=True)
-            error = np.sqrt(np.mean([rms(v - reference) ** 2 for v in values])) / size
-            if ones[0]["ratio"] == ratios[-1]:
-                error = max(error, doubt / size)
-            rows.append(ones[0] | {"kind": "mesh", "error": float(error), "starts": len(group)})
-            if len(group) > 1:
-                mean = np.mean(values, axis=0)
-                around = sum(rms(v - mean) ** 2 for v in values) / (len(group) - 1)
-                spreads.append(np.sqrt(around) / size)
-        if spreads:
-            rows.append(
-                _row(*runs[0], quantity)
-                | {"kind": "spread", "error": float(np.sqrt(np.mean(np.square(spreads))))}
-                | {"reference": scalar, "uncertainty": doubt / size, "settings": "other starts"}
-            )
+            told.add(key)
+            error = np.sqrt(np.mean([rms(v - reference) ** 2 for v in meshes[key]]))
+            if key == (first, ratios[-1]):
+                error = max(error, doubt)
+            one |= {"kind": "mesh", "error": float(error / size), "starts": len(meshes[key])}
+            rows.append(one)
+        if spread:
+            one = _row(*runs[0], quantity) | same | {"kind": "spread", "settings": "other starts"}
+            rows.append(one | {"error": spread / size})
     return rows
+
+
+def spread_of(groups):
+    """Standard deviation of a quantity over starts of one mesh, root mean square over the meshes.
+
+    groups : lists of numbers or curves, one a mesh; those of a single start say nothing
+    """
+    squares = [
+        sum(rms(v - np.mean(values, axis=0)) ** 2 for v in values) / (len(values) - 1)
+        for values in groups
+        if len(values) > 1
+    ]
+    return float(np.sqrt(np.mean(squares))) if squares else 0.0
 
 
 def reference_of(ratios, values):

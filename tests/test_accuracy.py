@@ -91,6 +91,26 @@ def test_references_from_meshes():
     assert best == 1.1 and doubt == pytest.approx(0.1)
 
 
+def test_a_reference_is_no_better_known_than_starts_repeat():
+    """Starts that differ by +-s about exact powers: spread s sqrt(2), errors as they are made."""
+    mesh = {"family": "quads", "cells": 1}
+    base = {"nodes": 1, "steps": 1, "time_step": 1.0, "core_seconds": 1.0, "memory_mb": 1.0}
+    runs, s = [], 0.01
+    for h in (0.4, 0.2, 0.1):
+        for kind, sign in (("mesh", 1), ("start", -1)):
+            found = base | {"ratio": h, "repeats": 1, "values": {"torque": 1 + h**2 + sign * s}}
+            runs.append((mesh | {"kind": kind}, found))
+    rows = trade_rows.reference_rows(None, runs)
+    assert [row["kind"] for row in rows] == ["mesh", "mesh", "mesh", "spread"]
+    # over the reference, which is 1 but for the grid on which its order is looked for
+    assert rows[-1]["error"] == pytest.approx(s * np.sqrt(2), rel=1e-3)
+    for row, h in zip(rows[:2], (0.4, 0.2), strict=True):
+        assert row["error"] == pytest.approx(np.hypot(h**2, s), rel=2e-3) and row["starts"] == 2
+    # the extrapolation itself is exact here but for h^2 of the finest, which it takes off
+    assert rows[0]["uncertainty"] == pytest.approx(np.hypot(0.1**2, s), rel=2e-3)
+    assert rows[2]["error"] == pytest.approx(np.hypot(0.1**2, s), rel=2e-3)
+
+
 @pytest.mark.parametrize("case", ["roll_up", "capstan", "strip", "sleeve", "drape"])
 def test_less_error_takes_finer_cells(case):
     """Sizes fall with the error asked for; what is promised is also predicted."""
