@@ -7,7 +7,9 @@ what the two finest differ by, and what another start changes. The finest is off
 """
 
 import numpy as np
+from scipy.optimize import brentq
 
+LEAST, MOST = 0.1, 8.0  # orders that are looked for
 FAR = 3.0  # times the difference of the two finest meshes that a reference may lie beyond them
 WORDS = ("kind", "family", "name")
 
@@ -99,7 +101,7 @@ def reference_of(ratios, values):
     fine, apart = np.asarray(values[-1], float), rms(values[-1] - values[-2])
     if len(values) > 2:
         order = observed_order(ratios[-3:], values[-3:])
-        if 0.5 < order < 8:
+        if 0.5 < order < MOST:
             by = ratios[-2] / ratios[-1]
             # meshes too much alike say too little of what lies beyond them
             if FAR * (by**order - 1) > 1:
@@ -115,10 +117,13 @@ def observed_order(ratios, values):
         return np.nan
     shrunk = rms(before) / rms(after)
     a, b, c = ratios
-    trials = np.linspace(0.1, 8, 400)
-    left = (a**trials - b**trials) / (b**trials - c**trials) - shrunk
-    signs = np.flatnonzero(np.diff(np.sign(left)))
-    return float(trials[signs[0]]) if len(signs) else np.nan
+
+    def off(p):
+        return (a**p - b**p) / (b**p - c**p) - shrunk
+
+    if off(LEAST) * off(MOST) > 0:
+        return np.nan
+    return brentq(off, LEAST, MOST, xtol=1e-10)
 
 
 def rms(value):
