@@ -99,6 +99,13 @@ class Choice:
         return replace(self, ratio=size / self.length)
 
     @property
+    def promised(self):
+        """Whether the error predicted is what was asked for; None if nothing was."""
+        if self.asked is None:
+            return None
+        return bool(self.kept and self.error <= relative_error(self.asked) * (1 + 1e-9))
+
+    @property
     def wish(self):
         """What was asked for, as a text."""
         if self.asked is None:
@@ -138,7 +145,7 @@ class Choice:
             "of": LEADING[self.case],
             "predicted": self.error if self.laws else None,
             "predicted_all": self.predicted,
-            "promised": self.kept,
+            "promised": self.promised,
             "another_start_changes": self.law.spread if self.laws else None,
             "measured_against_known_to": self.law.doubt if self.laws else None,
             "estimated": estimated,

@@ -138,7 +138,8 @@ def test_what_cannot_be_promised_is_told():
     assert not choice.kept
     assert "0.1% of torque cannot be promised" in choice.lines()[-1]
     words = [accuracy.choose("walk", word, 0.0175) for word in ("draft", "standard", "fine")]
-    assert all(word.kept for word in words)
+    # a word fixes the cells of a garment; that they leave what the word says is not claimed
+    assert all(word.kept and word.summary(None, "")["promised"] is False for word in words)
     for word in words:
         # folds choose among many states: what is lost to that is told with every choice
         assert any("of torque another start alone changes" in line for line in word.lines())
@@ -190,7 +191,7 @@ def test_a_demo_tells_what_it_reached(tmp_path):
     summary = json.loads((tmp_path / "summary.json").read_text())
     entry, error = summary["accuracy"], summary["results"]["tip_error_over_length"]
     assert {"asked", "predicted", "estimated", "how"} <= set(entry)
-    assert entry["asked"] == 0.01 and error < 0.01
+    assert entry["asked"] == 0.01 and error < 0.01 and entry["promised"] is True
     assert 0.5 < error / entry["predicted"] < 2
     assert 0.5 < entry["estimated"] / error < 2
     assert "accuracy 1 %: quads" in done.stdout and "predicted" in done.stdout
@@ -379,7 +380,8 @@ def test_a_run_beside_tells_the_error(tmp_path, monkeypatch):
     entry = trade.estimate(scene, tmp_path, command.MPI.COMM_SELF)
     assert entry == account.summary_of(tmp_path)["accuracy"]
     assert entry["estimated"] == pytest.approx(0.018**2, rel=1e-2)
-    assert entry["asked"] is None and entry["cell_size"] == pytest.approx(0.018)
+    assert entry["asked"] is None and entry["promised"] is None
+    assert entry["cell_size"] == pytest.approx(0.018)
     # where errors show no order the difference itself is told
     flat = Law(0.3, 0.0, finest=0.1, coarsest=10.0)
     monkeypatch.setattr(accuracy, "laws", lambda *_, **__: {"quads": {"torque": flat}})
