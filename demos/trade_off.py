@@ -10,22 +10,20 @@ runs each scene with settings of rising cost until the budget [s of the wall clo
 leaves trade.csv (all runs), trade.png (errors over cost with the best-choice front: no other
 setting is both cheaper and better) and summary.json in the folder, and prints the cheapest setting
 for errors of 10, 3, 1 and 0.3 %. `--write` puts what was found where `--accuracy` reads it, the
-table shellform/trade.csv. Cases that were not run keep their rows there, and so do those that the
-budget cut short or of which a run failed. `--held-out` runs scenes that were not used for the fit
-and compares the errors predicted with those reached; `--table` runs nothing and prints the tables
-of README from shellform/trade.csv.
+table shellform/trade.csv. Cases that were not run keep their rows there, and so do those of which
+less was run than the table has, as the budget was short or a run failed. `--held-out` runs scenes
+that were not used for the fit and compares the errors predicted with those reached; `--table` runs
+nothing and prints the tables of README from shellform/trade.csv.
 
-Costs are seconds of all ranks' processors in the solver alone, compiled before, the median of
-repeats where a run is short; memory is the most resident during the run, libraries included.
+Costs are seconds of all ranks' processors in the solver alone, compiled before, of walks in all of
+the run, and the median of repeats where a run is short; memory is the most resident during the run,
+libraries included.
 """
 
 import argparse
 import csv
-import gc
 import io
 import math
-import resource
-import statistics
 import time
 from pathlib import Path
 
@@ -35,6 +33,7 @@ import numpy as np
 import trade_held_out
 import trade_readme
 from trade_cases import CASES
+from trade_ladder import ladder
 from trade_rows import rows_of
 from trade_walk import walk_case
 
@@ -47,8 +46,6 @@ COMM = MPI.COMM_WORLD
 ERRORS = (0.1, 0.03, 0.01, 0.003)
 # of a budget for all; what a case leaves goes to those after it
 SHARES = {"roll_up": 1, "capstan": 2, "strip": 3, "sleeve": 3, "drape": 8, "walk": 25}
-FAILURES = (ArithmeticError, RuntimeError, ValueError)  # of a run; Unstable is one of them
-SHORT = 2.0  # s, a run as short is repeated
 COLUMNS = (
     "case", "quantity", "family", "kind", "settings", "error", "reference", "uncertainty",
     "core_seconds", "memory_mb", "repeats", "relative_cost", "starts", "ratio", "length", "nodes",
@@ -67,77 +64,6 @@ def arguments(given):
     parser.add_argument("--table", action="store_true", help="print what was measured, run nothing")
     parser.add_argument("--out", type=Path, default=Path("out/trade_off"))
     return command.parse(parser, given)
-
-
-def ladder(case, budget):
-    """Run the settings of a case until the budget [s] is spent.
-
-    A run that would, by the growth of cost with cells, take more than is left is not begun; one
-    that fails is told and left out.
-
-    Returns
-    -------
-    runs : list of (settings, found); whole : bool, all settings were run
-    """
-    runs, start, worst, whole = [], time.perf_counter(), {}, True
-    warm = set()
-    for settings in case.ladder:
-        left = budget - COMM.bcast(time.perf_counter() - start)
-        before = worst.get(settings["family"])
-        if left <= 0 or (before and before[1] > left and settings["kind"] == "mesh"):
-            command.say([f"  {case.name}: no time left for {settings}"])
-            whole = False
-            continue
-        began = time.perf_counter()
-        try:
-            if settings["family"] not in warm and case.name != "walk":
-                case.run(settings)  # compiles
-                warm.add(settings["family"])
-                began = time.perf_counter()
-            found = [measured(case, settings)]
-            while len(found) < 3 and found[0]["core_seconds"] < SHORT * COMM.size:
-                found.append(measured(case, settings))
-        except FAILURES as failure:
-            command.say([f"  {case.name}: {settings} failed: {failure}"])
-            whole = False
-            continue
-        one = dict(found[0]) | {"repeats": len(found)}
-        for key in ("core_seconds", "memory_mb"):
-            one[key] = statistics.median(f[key] for f in found)
-        runs.append((settings, one))
-        took = COMM.bcast((time.perf_counter() - began) / len(found))
-        if settings["kind"] == "mesh":
-            growth = (before[0] / one["ratio"]) ** 3 if before else 2.5
-            worst[settings["family"]] = one["ratio"], took * max(growth, 1.5)
-        command.say([f"  {case.name}: {settings} {took:.1f} s"])
-    return runs, whole
-
-
-def measured(case, settings):
-    """One run with its peak memory [MB] over all ranks."""
-    gc.collect()
-    forget_peak()
-    found = case.run(settings)
-    return found | {"memory_mb": COMM.allreduce(peak_memory())}
-
-
-def forget_peak():
-    """Let the system count the peak of memory anew, where it can (Linux)."""
-    try:
-        Path("/proc/self/clear_refs").write_text("5")
-    except OSError:
-        pass
-
-
-def peak_memory():
-    """Most resident memory [MB] since `forget_peak`."""
-    try:
-        for line in Path("/proc/self/status").read_text().splitlines():
-            if line.startswith("VmHWM"):
-                return float(line.split()[1]) / 1024
-    except OSError:
-        pass
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def table_text(rows, columns):
@@ -293,9 +219,14 @@ def main(given=None):
 
 
 def write(rows, names, whole):
-    """Keep the cases that are whole, and those that the table has none of."""
-    known = {row["case"] for row in trade_table.read()} if trade_table.TABLE.is_file() else set()
-    kept = [name for name in names if name in whole or name not in known]
+    """Keep the cases of which all was run, or at least as much as the table has of them."""
+    path = trade_table.TABLE
+    before = trade_table.read(path) if path.is_file() else []
+
+    def count(table, name):
+        return sum(row["case"] == name and row["kind"] != "machine" for row in table)
+
+    kept = [n for n in names if n in whole or count(rows, n) >= max(1, count(before, n))]
     if kept:
         keep([row for row in rows if row["case"] in kept], kept)
     print(f"wrote {trade_table.TABLE}: {', '.join(kept) or 'nothing'}")

@@ -254,7 +254,7 @@ def test_cases_that_are_not_whole_keep_their_rows(tmp_path, monkeypatch, capsys)
     """A run that fails is told; its case keeps the rows of before, as others do."""
     given = few(monkeypatch, tmp_path, failing=[8])
     table = tmp_path / "kept.csv"
-    table.write_text(trade_off.table_text([OTHER, STALE], trade_table.COLUMNS))
+    table.write_text(trade_off.table_text([OTHER, *3 * [STALE]], trade_table.COLUMNS))
     before = table.read_text()
     trade_off.main([*given, "--budget", "60"])
     said = capsys.readouterr().out
@@ -266,6 +266,20 @@ def test_cases_that_are_not_whole_keep_their_rows(tmp_path, monkeypatch, capsys)
         assert [row["settings"] for row in csv.DictReader(file)] == [
             "quads, cells 6", "quads, cells 10"
         ]  # fmt: skip
+
+
+def test_a_case_cut_short_counts_if_it_has_as_much(tmp_path, monkeypatch):
+    """The finest setting may be left out where the table has it not either."""
+    given = few(monkeypatch, tmp_path, failing=[10])
+    table = tmp_path / "kept.csv"
+    table.write_text(trade_off.table_text([OTHER, *2 * [STALE]], trade_table.COLUMNS))
+    monkeypatch.setattr(trade_off, "words", lambda name: {})
+    trade_off.main([*given, "--budget", "60"])
+    rows = [row for row in trade_table.read(table) if row["kind"] == "mesh"]
+    assert [row["case"] for row in rows] == ["capstan", "roll_up", "roll_up"]
+    assert [row["ratio"] for row in rows[1:]] == pytest.approx(
+        [2 * np.pi / n for n in (6, 8)], 1e-4
+    )
 
 
 def test_cases_that_are_whole_take_the_place_of_their_rows(tmp_path, monkeypatch):
