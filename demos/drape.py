@@ -27,7 +27,8 @@ import numpy as np
 
 import meshes
 from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, checkpoint, command
+from shellform import Fabric, Shell, accuracy, checkpoint, command, trade_table
+from shellform.law import richardson
 from shellform.ledger import Ledger
 from shellform.newmark import Newmark
 from shellform.results import Report, Series
@@ -78,9 +79,6 @@ def arguments(given):
     parser.add_argument("--frames", type=positive(int), default=40)
     parser.add_argument("--out", default="out/drape", help="folder for results")
     options = command.parse(parser, given)
-    if options.cells is None:
-        # cells fall with the square root of the error asked for: 16 at 3 %, second order
-        options.cells = max(4, int(np.ceil(16 * np.sqrt(0.03 / options.accuracy))))
     if options.window > options.seconds:
         parser.error("--window must not be longer than --seconds")
     if options.stepper == "implicit" and options.model == "particles":
@@ -133,6 +131,38 @@ def stepper_of(options, shell, body):
     return stepper, Touch(stepper, body, options.friction)
 
 
+def cells_for(options):
+    """The choice of cells for the accuracy asked for; sets options.cells."""
+    held = (options.bending_stiffness / (options.areal_mass * G)) ** (1 / 3)
+    family = ["particles" if options.model == "particles" else "quads"]
+    choice = accuracy.choose(
+        "drape", options.accuracy, min([held, *options.radii]), families=family
+    )
+    options.cells = max(4, int(np.ceil(options.size / choice.size)))
+    return choice.at(options.size / options.cells)
+
+
+def mean_height(stepper):
+    """Height of the centre of mass [m]; all ranks call."""
+    mass = COMM.allreduce(stepper.mass.sum())
+    z = (stepper.points + stepper.owned[:, :3])[:, 2]
+    return COMM.allreduce(stepper.mass @ z) / mass
+
+
+def reached(options, choice, body, height):
+    """`accuracy` of summary.json: a run with half the cells tells what these leave."""
+    if options.stepper == "implicit" or options.handover is not None:
+        return choice.summary(None, "measured beforehand; implicit steps have no companion")
+    half = argparse.Namespace(**vars(options) | {"cells": max(2, options.cells // 2)})
+    stepper, _ = stepper_of(half, sheet(half), body)
+    perturb(half, stepper)
+    stepper.advance(options.seconds)
+    by = options.cells / half.cells
+    left = richardson(height, mean_height(stepper), by, choice.order) / abs(height)
+    how = f"run with {half.cells} cells a side; what another start changes added"
+    return choice.summary(float(np.hypot(left, choice.law.spread)), how)
+
+
 def perturb(options, stepper):
     """Heights at random, the same on any number of ranks; held nodes stay."""
     shell = stepper.shell
@@ -147,6 +177,7 @@ def perturb(options, stepper):
 def main(given=None):
     # ## The sheet and the body
     options = arguments(given)
+    choice = cells_for(options) if options.cells is None else None
     report = Report(options.out, "drape", vars(options), COMM)
     with report.stage("setup"):
         shell, n = sheet(options), options.cells
@@ -161,6 +192,12 @@ def main(given=None):
     with report.stage("compile"):
         stepper, touch = stepper_of(options, shell, body)
         stepper.strain_energy()
+    if choice:
+        work = len(square.points), options.seconds / stepper.dt
+        took = None  # of implicit steps no time was measured
+        if options.stepper == "explicit":
+            took = trade_table.seconds("drape", choice.family, *work) / COMM.size
+        command.say(choice.lines(took))
     later = None
     if options.handover is not None:
         # particles first, on a sheet of their own
@@ -225,7 +262,12 @@ def main(given=None):
         }
         assembly = stepper.equilibrium.assembly_seconds
         report.shift(assembly, "solve", "assemble")
-    report.write(results, steps=steps, newton_iterations=iterations, time_step=stepper.dt)
+    told = {}
+    if choice:
+        with report.stage("solve"):
+            told["accuracy"] = reached(options, choice, body, results["mean_height"])
+        command.say([accuracy.told(told["accuracy"])])
+    report.write(results, steps=steps, newton_iterations=iterations, time_step=stepper.dt, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
 
@@ -245,14 +287,13 @@ def summarise(options, stepper, ledger, positions, deepest):
     ]
     shell = stepper.shell
     mass = COMM.allreduce(stepper.mass.sum())
-    height = COMM.allreduce(stepper.mass @ (stepper.points + stepper.owned[:, :3])[:, 2]) / mass
     corner = shell.surface.points[:, :2].sum(axis=1).argmax()
     return {
         "weight": mass * G,
         "contact_force": contact,
         "pin_force": pin,
         "window": window,
-        "mean_height": height,
+        "mean_height": mean_height(stepper),
         "free_corner": positions[corner],
         "strain_energy": late[-1]["strain"],
         "kinetic_energy": late[-1]["kinetic"],

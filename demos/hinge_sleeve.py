@@ -17,6 +17,7 @@ prints a table and leaves summary.json, torque.csv of the last run and hinge_sle
 """
 
 import argparse
+import time
 
 from mpi4py import MPI
 
@@ -25,7 +26,9 @@ import numpy as np
 import meshes
 from contact.recording import Recording
 from contact.wearer import Wearer
-from shellform import Fabric, Shell, command
+from shellform import Fabric, Shell, accuracy, command, trade_table
+from shellform.inertia import ROTARY_SCALE
+from shellform.law import companion, left
 from shellform.ledger import Ledger
 from shellform.newmark import Newmark
 from shellform.results import Report
@@ -33,12 +36,8 @@ from shellform.torque import Torque
 from shellform.touch import Touch
 
 COMM = MPI.COMM_WORLD
-RADIUS, LENGTH, APART = (
-    0.06,
-    0.3,
-    0.1,
-)  # of an ellipsoid: two semi-axes; from the knee to its middle
-REST, HALF = 0.055, 0.06  # radius and half the length of the sleeve
+LENGTH, APART = 0.3, 0.1  # m: semi-axis along the limb; from the knee to an ellipsoid's middle
+REST, HALF = 0.055 / 0.06, 0.06  # radius of the sleeve over the limb's; half its length, m
 STILL, WINDOWS = 0.05, 60  # s, to settle; rows a cycle
 BELOW = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -0.4], [0.0, -0.06, -0.4]])  # J1, J2, M of the shank
 ABOVE = np.array([[0.0, 0.0, 0.4], [0.0, 0.0, 0.0], [0.0, -0.06, 0.0]])  # of the thigh
@@ -55,9 +54,21 @@ def arguments(given):
     parser.add_argument("--angle", type=positive(float), default=20.0, help="degrees")
     parser.add_argument("--period", type=positive(float), default=0.3, help="of a cycle, s")
     parser.add_argument("--cycles", type=positive(int), default=2)
-    parser.add_argument("--around", type=positive(int), default=32, help="cells, with 9 along")
+    parser.add_argument("--radius", type=positive(float), default=0.06, help="of the limb, m")
+    parser.add_argument("--around", type=positive(int), help="cells (default: accuracy)")
+    parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
+    parser.add_argument("--rotary-scale", type=float, default=ROTARY_SCALE, help="see inertia.py")
+    parser.add_argument(
+        "--mass-scale", type=positive(float), default=1.0, help="of the sleeve, for larger steps"
+    )
+    parser.add_argument("--accuracy", type=command.accuracy, default=0.02, metavar="N%")
     parser.add_argument("--out", default="out/hinge_sleeve", help="folder for results")
-    return command.parse(parser, given)
+    options = command.parse(parser, given)
+    if not 0.02 <= options.radius <= 0.09:
+        parser.error("--radius of a limb lies between 0.02 and 0.09 m")
+    if options.rotary_scale < 0:
+        parser.error("--rotary-scale is not negative")
+    return options
 
 
 def flexion(options, t):
@@ -76,45 +87,67 @@ def knee(options):
         axis=-1,
     )
     points = {"right_thigh": np.array([ABOVE] * len(times)), "right_shank": shank}
-    middle, radii = 0.2 - APART, (LENGTH, RADIUS, RADIUS)
+    middle, radii = 0.2 - APART, (LENGTH, options.radius, options.radius)
     ellipsoids = [("thigh", "right_thigh", (middle, 0, 0), radii)]
     ellipsoids += [("shank", "right_shank", (-middle, 0, 0), radii)]
     return Wearer(Recording(times, points, "hinge"), ellipsoids)
 
 
+def size_of(options):
+    """Size of the cells around the limb [m]."""
+    return 2 * np.pi * options.radius / options.around
+
+
+def along(size):
+    """Cells along the sleeve, an odd number: a row of nodes in the crease would be caught there."""
+    return 2 * max(1, round(HALF / size - 0.5)) + 1
+
+
 def sleeve(options):
     """The stretched tube, two millimetres off the limb."""
-    surface = meshes.cylinder(REST, 2 * HALF, (options.around, max(3, round(options.around / 3.6))))
+    rest = REST * options.radius
+    surface = meshes.cylinder(rest, 2 * HALF, (options.around, along(size_of(options))))
     surface = surface.transform(translation=(0, 0, -HALF)).replace(warp=(0.0, 0.0, 1.0))
     plane = np.diag([1.0, 1.0, 0.5])
-    fabric = Fabric.from_stiffness(1e3 * plane, 3e-4 * plane, areal_mass=0.2, thickness=1e-3)
+    fabric = Fabric.from_stiffness(
+        1e3 * plane, 3e-4 * plane, 0.2 * options.mass_scale, thickness=1e-3
+    )
     shell = Shell(surface, fabric, COMM)
     X = surface.points[shell.partition.nodes]
-    limb = RADIUS * np.sqrt(1 - ((APART - np.abs(X[:, 2:])) / LENGTH) ** 2) + 2e-3
-    shell.w.x.array.reshape(-1, 6)[:, :2] = (limb / REST - 1) * X[:, :2]
+    limb = options.radius * np.sqrt(1 - ((APART - np.abs(X[:, 2:])) / LENGTH) ** 2) + 2e-3
+    shell.w.x.array.reshape(-1, 6)[:, :2] = (limb / rest - 1) * X[:, :2]
     return shell
 
 
-def cycles(options, friction, folder):
-    """Play all cycles; columns angle [rad], torque [N m], strain energy [J]; losses a cycle [J]."""
-    stepper = Newmark(sleeve(options), 0.9, drag=100.0)
+def cycles(options, friction, folder=None):
+    """Play all cycles; columns angle [rad], torque [N m], strain energy [J]; losses a cycle [J].
+
+    Also nodes, steps and the processors' seconds of the steps.
+    """
+    stepper = Newmark(
+        sleeve(options),
+        options.time_step_factor,
+        drag=100.0,
+        rotary_scale=options.rotary_scale,
+    )
+    start = time.process_time()
     touch = Touch(stepper, knee(options), friction)
     stepper.advance(STILL)
     stepper.drag = 10.0
     touch.correction.reset()
     torque, ledger = (
-        Torque(touch, stepper, path=folder / "torque.csv"),
+        Torque(touch, stepper, path=folder and folder / "torque.csv"),
         Ledger(None, stepper, touch),
     )
     count = WINDOWS * options.cycles
     times = STILL + options.period * np.arange(count + 1) / WINDOWS
     strain, lost, found = [ledger.record()["strain"]], [], []
-    for time in command.progress(times[1:], count, f"friction {friction:g}"):
-        stepper.advance(time)
+    for t in command.progress(times[1:], count, f"friction {friction:g}"):
+        stepper.advance(t)
         row = ledger.record()
         strain.append(row["strain"])
         lost.append(row["friction_loss"])
-        found += [r["torque_flexion"] for r in torque.record(time) if r["joint"] == "right_knee"]
+        found += [r["torque_flexion"] for r in torque.record(t) if r["joint"] == "right_knee"]
     theta = flexion(options, times)
     turned, found, strain = np.diff(theta), np.array(found), np.array(strain)
     by_cycle = (-1, WINDOWS)
@@ -125,7 +158,47 @@ def cycles(options, friction, folder):
         "friction": np.reshape(lost, by_cycle).sum(axis=1),
         "kept": np.diff(strain).reshape(by_cycle).sum(axis=1),
         "slope": -np.diff(strain) / np.where(turned == 0, np.nan, turned),
+        "strain": strain,
+        "core_seconds": COMM.allreduce(time.process_time() - start),
+        "nodes": len(stepper.shell.surface.points),
+        "steps": stepper.steps,
     }
+
+
+def apart(one, other):
+    """Root mean square of the difference of two runs' torques, over that of the first."""
+    a, b = one["torque"], other["torque"]
+    return float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
+
+
+def cells_for(options):
+    """The choice of cells for the accuracy asked for; sets options.around."""
+    choice = accuracy.choose("sleeve", options.accuracy, options.radius)
+    options.around = max(12, int(np.ceil(2 * np.pi * options.radius / choice.size)))
+    choice = choice.at(size_of(options))
+    nodes = options.around * (along(choice.size) + 1)
+    # steps as long as those measured with cells of this size: all scale with the size alike
+    until = (STILL + options.cycles * options.period) * len(options.friction)
+    # the step goes with the root of the mass
+    steps = until / trade_table.step_of("sleeve", choice.size) / np.sqrt(options.mass_scale)
+    took = trade_table.seconds("sleeve", choice.family, nodes, steps) / COMM.size
+    command.say(choice.lines(took))
+    return choice
+
+
+def tricks(options):
+    """What of the options buys time, and what it was measured to change."""
+    used = []
+    if options.mass_scale != 1:
+        used.append(f"mass {options.mass_scale:g}")
+    if options.rotary_scale != ROTARY_SCALE:
+        used.append(f"rotary {options.rotary_scale:g}")
+    return trade_table.tricks("sleeve", used)
+
+
+def replace_around(options, around):
+    """The same options with another number of cells."""
+    return argparse.Namespace(**vars(options) | {"around": around})
 
 
 def draw(path, runs):
@@ -148,10 +221,22 @@ def main(given=None):
     # ## One run for every coefficient of friction
     options = arguments(given)
     report = Report(options.out, "hinge_sleeve", vars(options), COMM)
-    runs = {}
+    choice, runs, told = None, {}, {}
+    if options.around is None:
+        choice = cells_for(options)
     for friction in options.friction:
         with report.stage("solve"):
             runs[friction] = cycles(options, friction, report.folder)
+
+    # ## What other cells differ by
+    if choice:
+        first = options.friction[0]
+        fewest = int(np.ceil(2 * np.pi / choice.law.coarsest))
+        other = replace_around(options, companion(options.around, fewest))
+        with report.stage("solve"):
+            difference = apart(runs[first], cycles(other, first))
+        error = left(difference, options.around, other.around, choice.order)
+        told["accuracy"] = choice.summary(error, f"run with {other.around} cells around")
 
     # ## Results
     if COMM.rank == 0:
@@ -166,7 +251,12 @@ def main(given=None):
         with report.stage("output"):
             draw(report.folder / "hinge_sleeve.png", runs)
     keys = ("loop", "friction", "kept")
-    report.write({f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()})
+    if choice:
+        command.say([accuracy.told(told["accuracy"])])
+    results = {f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()}
+    told["tricks"] = tricks(options)
+    steps = sum(run["steps"] for run in runs.values())
+    report.write(results, steps=steps, newton_iterations=0, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, torque.csv, hinge_sleeve.png")
 

@@ -25,10 +25,14 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from shellform import Fabric, Shell, Statics, command
+from shellform import Fabric, Shell, Statics, accuracy, command, trade_table
+from shellform.law import companion, left
 from shellform.results import Report, Series
 
 COMM = MPI.COMM_WORLD
+FAMILIES = ("quads", "nine-node quads")  # by degree
+STEPS = 20  # load steps a turn
+STRETCH = 1 / 6  # of (kappa t)^2, measured with 64 cells for t/L from 1/240 to 1/60
 
 
 def arguments(given):
@@ -49,22 +53,71 @@ def arguments(given):
     options = command.parse(parser, given)
     if not np.isfinite(options.turns) or options.turns == 0:
         parser.error("--turns must be a finite number other than zero")
-    if options.cells is None:
-        options.cells = cells_for(options.accuracy, options.turns, options.degree)
     if options.steps is None:
-        options.steps = max(1, int(np.ceil(20 * abs(options.turns))))
+        options.steps = max(1, int(np.ceil(STEPS * abs(options.turns))))
     return options
 
 
-def cells_for(error, turns, degree):
-    """Cells that keep the tip within `error` of the length, from measured convergence.
+def sensitivity(turns):
+    """How far the tip moves over the length for a relative error of the curvature: 1 at a turn."""
+    angle = 2 * np.pi * abs(turns)
+    x = np.cos(angle) - np.sin(angle) / angle
+    z = np.sin(angle) - (1 - np.cos(angle)) / angle
+    return float(np.hypot(x, z))
 
-    A cell that turns by phi [rad] leaves 0.0066 phi^6 (4-node quads) or 0.0127 phi^4 (9-node).
+
+def stretch(turns, length, thickness):
+    """Tip error over the length of a sheet of finite thickness, however small the cells.
+
+    What the stretch that comes with bending changes acts like an error of the curvature.
     """
-    factor, order = ((0.0066, 6), (0.0127, 4))[degree - 1]
-    # half the error is left for the stretch of a sheet that is not thin
-    phi = (0.5 * error / factor) ** (1 / order)
-    return max(2, int(np.ceil(2 * np.pi * abs(turns) / phi)))
+    return sensitivity(turns) * STRETCH * (2 * np.pi * turns * thickness / length) ** 2
+
+
+def cells_for(options):
+    """The choice of cells for the accuracy asked for; sets options.cells."""
+    radius = options.length / (2 * np.pi * abs(options.turns))
+    scales = (
+        sensitivity(options.turns),
+        stretch(options.turns, options.length, options.thickness),
+    )
+    choice = accuracy.choose(
+        "roll_up", options.accuracy, radius, *scales, families=[FAMILIES[options.degree - 1]]
+    )
+    options.cells = max(2, int(np.ceil(options.length / choice.size)))
+    return choice.at(options.length / options.cells)
+
+
+def strip(options):
+    """Shell of the strip with its supports and its end moment; its curvature at full load [1/m].
+
+    One row of cells; nu = 0, so that the strip is a beam. Only the ratio M/D matters. The moment
+    grows with the load level from 0 to 1.
+    """
+    length = options.length
+    surface = meshes.rectangle(length, length / 12, (options.cells, 1), degree=options.degree)
+    fabric = Fabric.isotropic(1.2e6, 0.0, options.thickness, 1000.0)
+    shell = Shell(surface, fabric, COMM)
+    kappa = 2 * np.pi * options.turns / length
+    shell.supports.clamp("left")
+    shell.supports.symmetry("bottom", (0, 1, 0))
+    shell.supports.symmetry("top", (0, 1, 0))
+    shell.loads.edge_moment("right", (0, -kappa * fabric.bending[0, 0], 0))
+    return shell, kappa
+
+
+def reached(options, choice, tip):
+    """`accuracy` of summary.json: what the tip differs by from that of another mesh."""
+    fewest = int(np.ceil(2 * np.pi * abs(options.turns) / choice.law.coarsest))
+    cells = companion(options.cells, fewest)
+    shell, _ = strip(argparse.Namespace(**vars(options) | {"cells": cells}))
+    with Statics(shell) as statics:
+        for _ in statics.march(options.steps):
+            pass
+        other = shell.displacement_at((options.length, 0, 0)) + (options.length, 0, 0)
+    apart = float(np.linalg.norm(tip - other)) / options.length
+    error = left(apart, options.cells, cells, choice.order)
+    return choice.summary(error + choice.own, f"run with {cells} cells; stretch of the sheet added")
 
 
 def circle(kappa, s):
@@ -77,25 +130,17 @@ def circle(kappa, s):
 
 def main(given=None):
     # ## The strip
-    #
-    # One row of cells; nu = 0, so that the strip is a beam. Only the ratio M/D matters.
     options = arguments(given)
+    choice = cells_for(options) if options.cells is None else None
     report = Report(options.out, "roll_up", vars(options), COMM)
     length, turns = options.length, options.turns
     with report.stage("setup"):
-        strip = meshes.rectangle(length, length / 12, (options.cells, 1), degree=options.degree)
-        fabric = Fabric.isotropic(1.2e6, 0.0, options.thickness, 1000.0)
-        shell = Shell(strip, fabric, COMM)
-
-        # ## Supports and load
-        #
-        # The moment grows with the load level from 0 to 1.
-        kappa = 2 * np.pi * turns / length
-        shell.supports.clamp("left")
-        shell.supports.symmetry("bottom", (0, 1, 0))
-        shell.supports.symmetry("top", (0, 1, 0))
-        shell.loads.edge_moment("right", (0, -kappa * fabric.bending[0, 0], 0))
+        shell, kappa = strip(options)
         report.describe(shell, inertia=False, contact=False)
+    if choice:
+        work = len(shell.surface.points), options.steps
+        took = trade_table.seconds("roll_up", choice.family, *work) / COMM.size
+        command.say(choice.lines(took))
     with report.stage("compile"):
         shell.forms()
 
@@ -118,11 +163,19 @@ def main(given=None):
             rows.append((step.level, *tip[[0, 2]], *goal[[0, 2]], error, step.iterations))
             if k in shown:
                 label = f"{step.level * turns:g} turn"
-                frames.append((label, shell.positions(), shell.directors(), strip.cells))
+                frames.append((label, shell.positions(), shell.directors(), shell.surface.cells))
                 exact.append(circle(kappa * step.level, np.linspace(0, length, 400)))
                 series.write(shell, step.level)
         start = time.perf_counter()
     report.shift(statics.equilibrium.assembly_seconds, "solve", "assemble")
+
+    # ## What other cells differ by
+    usual = int(np.ceil(STEPS * abs(turns)))
+    used = [f"{options.steps} load steps"] if options.steps < usual else []
+    told = {"tricks": trade_table.tricks("roll_up", used)}
+    if choice:
+        with report.stage("solve"):
+            told["accuracy"] = reached(options, choice, tip)
 
     # ## Results
     if COMM.rank == 0:
@@ -146,7 +199,10 @@ def main(given=None):
         steps=len(statics.steps),
         newton_iterations=sum(step.iterations for step in statics.steps),
         cutbacks=statics.cutbacks,
+        **told,
     )
+    if choice:
+        command.say([accuracy.told(told["accuracy"])])
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, roll_up.png, series.pvd")
 

@@ -35,7 +35,8 @@ from scipy.optimize import brentq
 
 import meshes
 from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, command
+from shellform import Fabric, Shell, accuracy, command, trade_table
+from shellform.law import richardson
 from shellform.newmark import Newmark
 from shellform.results import Report
 from shellform.touch import Touch
@@ -236,10 +237,24 @@ def arguments(given):
         parser.error(f"--seconds must be more than {2 * WINDOW}")
     if min(options.samples) < 0:
         parser.error("--samples must be 0 or more")
-    if options.cells is None:
-        options.cells = [n for n in (8, 16, 32, 64) if n <= 64 * np.sqrt(0.001 / options.accuracy)]
-        options.cells = options.cells or [8]
     return options
+
+
+def cells_for(options):
+    """The choice of cells for the accuracy asked for; sets options.cells, half as many first."""
+    length = min(options.radius, options.bending_length)
+    choice = accuracy.choose("strip", options.accuracy, length)
+    count = max(6, int(np.ceil(options.length / choice.size)))
+    options.cells = [max(3, count // 2), count]
+    return choice.at(options.length / count)
+
+
+def reached(choice, coarse, fine, length):
+    """`accuracy` of summary.json, from runs with half the cells and with all."""
+    by = (len(fine["nodes"]) - 1) / (len(coarse["nodes"]) - 1)
+    apart = np.linalg.norm(fine["nodes"][-1] - coarse["nodes"][-1]) / length
+    how = f"tips of {len(coarse['nodes']) - 1} and {len(fine['nodes']) - 1} cells"
+    return choice.summary(richardson(float(apart), 0.0, by, choice.order), how)
 
 
 QUANTITIES = ("tip", "angle", "weight", "normal", "moment", "spread")
@@ -248,6 +263,7 @@ QUANTITIES = ("tip", "angle", "weight", "normal", "moment", "spread")
 def main(given=None):
     # ## The reference
     options = arguments(given)
+    choice = cells_for(options) if options.cells is None else None
     report = Report(options.out, "strip_over_cylinder", vars(options), COMM)
     scene = Scene(options.radius, options.length, options.bending_length)
     exact = elastica(scene)
@@ -269,6 +285,10 @@ def main(given=None):
         for cells in options.cells:
             with report.stage("setup"):
                 stepper, touch = strip(scene, cells, k)
+            if choice and (k, cells) == (options.samples[0], options.cells[-1]):
+                work = len(stepper.shell.surface.points), options.seconds / stepper.dt
+                took = trade_table.seconds("strip", choice.family, *work) / COMM.size
+                command.say(choice.lines(took))
             with report.stage("solve"):
                 found = measure(exact, stepper, touch, options.seconds)
             report.shift(touch.seconds, "solve", "contact")
@@ -299,7 +319,11 @@ def main(given=None):
             for label, found in runs.items()
         },
     }
-    report.write(results, steps=steps, newton_iterations=0)
+    told = {}
+    if choice:
+        told["accuracy"] = reached(choice, *next(iter(runs.values())), options.length)
+        command.say([accuracy.told(told["accuracy"])])
+    report.write(results, steps=steps, newton_iterations=0, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, strip_over_cylinder.png")
 

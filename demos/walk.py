@@ -21,7 +21,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from shellform import account, activity, build, command
+from shellform import account, accuracy, activity, build, command, trade
 from shellform.results import Report
 from shellform.scene import Garment, Motion, Output, Scene, Steps
 from shellform.torque import rows_until
@@ -42,6 +42,9 @@ def arguments(given):
         "--fabric", nargs="+", default=["compliant", "stiff"], help="names of cards, or files"
     )
     parser.add_argument("--accuracy", default="draft", help="draft, standard, fine or N%%")
+    parser.add_argument(
+        "--estimate", action="store_true", help="coarser runs beside, to estimate the error reached"
+    )
     parser.add_argument("--obstacle", type=float, default=0.5, help="height, m; 0 for none")
     parser.add_argument("--seconds", type=positive(float), help="of the motion (default: all)")
     parser.add_argument("--cell-size", type=positive(float), help="m (default: accuracy)")
@@ -85,18 +88,22 @@ def main(given=None):
     with report.stage("solve"):
         for name, scene in list(zip(names, scenes, strict=True))[mine::groups]:
             results[name] = activity.run(scene, options.out / name, comm)
+            if options.estimate:
+                trade.estimate(scene, options.out / name, comm)
     parts = COMM.allgather(results)
     results = {name: part[name] for name in names for part in parts if name in part}
 
     # ## Pictures and the report
+    summaries = [account.summary_of(options.out / name) for name in names]
     if COMM.rank == 0:
         with report.stage("output"):
             draw(options, names, scenes[0])
-        for name in names:
+        for name, summary in zip(names, summaries, strict=True):
             print(f"\n{name} trousers")
             print("\n".join(account.told(results[name])))
-    summaries = [account.summary_of(options.out / name) for name in names]
-    first = {key: summaries[0][key] for key in ("cells", "nodes", "dofs", "plan")}
+            print(accuracy.told(summary["accuracy"]))
+    keys = ("cells", "nodes", "dofs", "plan", "accuracy", "tricks")
+    first = {key: summaries[0][key] for key in keys}
     report.summary |= first
     report.write(
         results[names[0]] | {"fabrics": results},

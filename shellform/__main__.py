@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | run | resume`, also as `python -m shellform`.
+"""The command: `shellform new | check | trade | run | resume`, also as `python -m shellform`.
 
     shellform new scene.toml        writes a commented scene to start from
     shellform check scene.toml      says what would be modelled and what it would cost
+    shellform trade scene.toml      says what errors cost: cells, step, time, memory for each
     shellform run scene.toml        dresses the wearer, plays the motion, reports torques
     shellform resume out/scene      goes on with a run that was stopped
 
@@ -65,12 +66,23 @@ def parser():
         "check", allow_abbrev=False, help="say what would be modelled and what it would cost"
     )
     check.add_argument("scene", type=Path)
+    trade = kinds.add_parser(
+        "trade", allow_abbrev=False, help="say what errors cost: cells, step, time, memory"
+    )
+    trade.add_argument("scene", type=Path)
+    trade.add_argument("--measure", action="store_true", help="run the two cheapest settings")
+    trade.add_argument("--out", type=Path, help="folder for what is run (default: out/trade/NAME)")
     run = kinds.add_parser(
         "run", allow_abbrev=False, help="dress the wearer, play the motion, report torques"
     )
     run.add_argument("scene", type=Path)
     run.add_argument("--out", type=Path, help="folder for results (default: out/NAME)")
     run.add_argument("--dressed", type=Path, help="dressed.npz of an earlier run, used again")
+    run.add_argument(
+        "--estimate",
+        action="store_true",
+        help="a run with other cells beside, to estimate the error reached",
+    )
     resume = kinds.add_parser(
         "resume", allow_abbrev=False, help="go on with a run that was stopped"
     )
@@ -97,12 +109,25 @@ def main(given=None):
         if comm.rank == 0:
             print("\n".join(lines))
         return
-    from . import account, activity
     from .scene_file import read_scene
 
+    if options.do == "trade":
+        from .trade import trade
+
+        out = options.out or Path("out/trade") / options.scene.stem
+        command.say(trade(read_scene(options.scene), comm, out if options.measure else None))
+        return
+    from . import account, activity
+    from .accuracy import told
+    from .trade import check_cells, estimate
+
     if options.do == "run":
-        out = options.out or Path("out") / options.scene.stem
-        results = activity.run(read_scene(options.scene), out, comm, options.dressed)
+        out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
+        if options.estimate:
+            check_cells(scene, "--estimate")
+        results = activity.run(scene, out, comm, options.dressed)
+        if options.estimate:
+            estimate(scene, out, comm)
     else:
         out = options.out
         results = activity.resume(out, comm)
@@ -110,6 +135,7 @@ def main(given=None):
         if not options.no_pictures:
             account.draw(out)
         print("\n".join(account.told(results)))
+        print(told(account.summary_of(out)["accuracy"]))
         print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import build, checkpoint, command, dressed_state, torque
+from . import build, checkpoint, command, dressed_state, torque, trade
 from .account import STAGES, describe, settings, summary
 from .belt import Belt
 from .dressing import Dressing, dress, settle
@@ -116,6 +116,7 @@ def run(scene, out, comm, dressed=None, watch=None):
     if comm.rank == 0:
         (out / "checkpoint.npz").unlink(missing_ok=True)
         write_scene(scene, out / "scene.toml")
+        print("\n".join(trade.foretold(activity)), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
@@ -209,7 +210,10 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
         results["pressure"] = pressure.summary(skin.result())
         if comm.rank == 0:
             pressure.save(out / "pressure.npz", skin.result())
-    report.write(results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt)
+    report.write(
+        results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt,
+        accuracy=trade.entry(activity), tricks=trade.tricks(scene),
+    )  # fmt: skip
     return results
 
 

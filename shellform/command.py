@@ -44,16 +44,18 @@ def positive(kind):
 
 def accuracy(text):
     """Type of `--accuracy`: a relative error, from the words draft, standard, fine or from N%."""
-    words = {"draft": 0.03, "standard": 0.01, "fine": 0.001}
-    if text in words:
-        return words[text]
+    from .accuracy import relative_error
+
     try:
-        error = float(text.removesuffix("%")) / 100
-    except ValueError:
-        error = 0.0
-    if not text.endswith("%") or not 0 < error < 1:
-        raise argparse.ArgumentTypeError(f"draft, standard, fine or a percentage, not {text}")
-    return error
+        return relative_error(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def say(lines):
+    """Print lines on rank 0."""
+    if MPI.COMM_WORLD.rank == 0:
+        print("\n".join(lines), flush=True)
 
 
 class Stopped(RuntimeError):

@@ -5,20 +5,14 @@ A Scene is a value, made in Python or read from a TOML file (scene_file.py). Eve
 checked when it is made; nothing is computed. `build.py` turns it into arrays and finite elements.
 """
 
-from argparse import ArgumentTypeError
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from numbers import Integral, Real
 from pathlib import Path
 from typing import get_args
 
-import numpy as np
-
-from .command import accuracy as relative_error
+from .accuracy import choose, garment_length, relative_error
 from .fabric import Fabric
 from .sheet import Sheet
-
-# size of cells [m] by the relative error asked for, see `cell_size_for`
-CELL_SIZES = {0.03: 0.035, 0.01: 0.025, 0.001: 0.0175}
 
 
 def _unit(default, unit):
@@ -94,7 +88,7 @@ class Contact:
 class Steps:
     """How motion is computed.
 
-    accuracy : 'draft', 'standard', 'fine' or 'N%', see `cell_size_for`; time_step_factor : of the
+    accuracy : 'draft', 'standard', 'fine' or 'N%', see accuracy.py; time_step_factor : of the
     largest stable step; damping : stiffness-proportional [s]; drag : of the air [1/s]; dressing :
     'shell' or 'particles', the model that puts the garment on.
     """
@@ -158,7 +152,17 @@ class Scene:
     @property
     def cell_size(self):
         """Size of the garment's cells [m]."""
-        return self.garment.cell_size or cell_size_for(self.steps.accuracy)
+        return self.garment.cell_size or self.choice.size
+
+    @property
+    def choice(self):
+        """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
+        from .scene_file import fabric_of
+
+        length = garment_length(fabric_of(self.fabric))
+        choice = choose("walk", self.steps.accuracy, length)
+        given = self.garment.cell_size
+        return replace(choice.at(given), asked=None, kept=True) if given else choice
 
 
 PARTS = {
@@ -196,20 +200,12 @@ RANGES = {
 }
 
 
-def cell_size_for(accuracy):
-    """Size of a garment's cells [m] for 'draft' (3 %), 'standard' (1 %), 'fine' (0.1 %) or 'N%'.
-
-    Between the words the size goes with a power of the error. A choice of thumb: what error of a
-    torque a size leaves has to be measured scene by scene, by halving it.
-    """
+def check_accuracy(asked):
+    """ValueError if steps.accuracy is none."""
     try:
-        error = relative_error(accuracy)
-    except (ArgumentTypeError, AttributeError):
-        raise ValueError(
-            f"steps.accuracy is draft, standard, fine or a percentage as '2%', not {accuracy!r}"
-        ) from None
-    errors, sizes = np.log(sorted(CELL_SIZES)), np.log(sorted(CELL_SIZES.values()))
-    return float(np.exp(np.interp(np.log(error), errors, sizes)))
+        relative_error(asked)
+    except ValueError as error:
+        raise ValueError(f"steps.accuracy is {error}") from None
 
 
 KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
@@ -254,7 +250,7 @@ def _check_numbers(scene):
             continue
         if not low <= value <= high:
             raise ValueError(f"{where} = {value:g} lies outside {low:g} to {high:g}: {hint}")
-    cell_size_for(scene.steps.accuracy)
+    check_accuracy(scene.steps.accuracy)
     if scene.steps.dressing not in ("shell", "particles"):
         raise ValueError(f"steps.dressing is shell or particles, not {scene.steps.dressing!r}")
     kinetic = scene.contact.kinetic_friction

@@ -19,9 +19,8 @@ from shellform.scene import (
     Person,
     Scene,
     Steps,
-    cell_size_for,
 )
-from shellform.scene_file import key_of, read_scene, scene_from, write_scene
+from shellform.scene_file import fabric_of, key_of, read_scene, scene_from, write_scene
 from shellform.sheet import MATRICES
 
 # every field away from its default, as `test_every_field_is_covered` makes sure
@@ -149,14 +148,16 @@ def test_keys_carry_their_units():
 
 
 def test_accuracy_and_cell_size():
-    """Finer for less error, in between as a power law; words are percentages."""
-    words = ["draft", "standard", "fine"]
-    sizes = [cell_size_for(word) for word in words]
+    """Words are parts of the length that matters; a size of the user's own wins."""
+    sizes = [Scene(steps=Steps(accuracy=word)).cell_size for word in ("draft", "standard", "fine")]
     assert sizes == sorted(sizes, reverse=True)
-    assert sizes == pytest.approx([cell_size_for(p) for p in ("3%", "1%", "0.1%")], rel=1e-12)
-    middle = cell_size_for(f"{100 * (0.01 * 0.001) ** 0.5}%")
-    assert middle == pytest.approx((sizes[1] * sizes[2]) ** 0.5, rel=1e-9)
-    assert Scene(steps=Steps(accuracy="fine")).cell_size == sizes[2]
+    compliant, stiff = (
+        np.sqrt(cloth.bending_length() * cloth.bending_length(degrees=90.0))
+        for cloth in (fabric_of("compliant"), fabric_of("stiff"))
+    )
+    assert sizes[2] == pytest.approx(compliant, rel=1e-12)
+    # a stiffer cloth still lies on the same limbs
+    assert sizes[2] < Scene("stiff", steps=Steps(accuracy="fine")).cell_size < 0.5 * stiff
     finer = Scene(steps=Steps(accuracy="fine"), garment=Garment(cell_size=0.03))
     assert finer.cell_size == 0.03
     for wrong in ("good", "3", "0%", "-1%", "100%", "", "nan%"):
