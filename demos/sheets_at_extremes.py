@@ -177,7 +177,7 @@ def tumbled(fabric, steps=500, **thrown_so):
     return out | {"places": places, "steps": stepper.steps, "cutbacks": stepper.rewind.cutbacks}
 
 
-def spun(turns, speed=0.01, cells=(4, 1), modulus=1e6, density=200.0):
+def spun(turns, speed=0.03, cells=(4, 1), modulus=1e6, density=200.0):
     """Spin a strip about its short axis through its middle, so many turns at steady speed.
 
     Centrifugal force strains it: at rest in the turning frame by 2/5 (tip speed/wave speed)^2 of

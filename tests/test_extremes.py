@@ -295,9 +295,8 @@ def test_a_million_cells_fall_freely():
 
 @pytest.mark.slow
 def test_a_million_steps():
-    """Momenta drift by roundoff only, energy swings as in the first steps."""
-    short = sheets.tumbled(strip(1e-3), cells=(1, 1), steps=2000)
+    """Momenta drift by roundoff only, energy swings but does not grow."""
     out = sheets.tumbled(strip(1e-3), cells=(1, 1), steps=1_000_000)
     assert out["steps"] >= 990_000 and out["cutbacks"] == 0
     assert max(out["momentum"], out["turning"]) < EPS * out["steps"]
-    assert out["energy"] < 1e-3 and np.isfinite(short["energy"])
+    assert out["energy"] < 1e-3
