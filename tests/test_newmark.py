@@ -12,7 +12,7 @@ import pytest
 from dolfinx.la import create_petsc_vector
 
 import meshes
-from shellform import Fabric, Shell
+from shellform import Fabric, Shell, explicit
 from shellform.inertia import lumped, nodal_areas
 from shellform.internal_force import InternalForce, by_segments
 from shellform.newmark import Newmark
@@ -471,3 +471,15 @@ def test_first_frequency_of_a_cantilever():
     ]
     frequency = 0.5 * (len(zeros) - 1) / (zeros[-1] - zeros[0])
     assert frequency == pytest.approx(exact, rel=5e-3)
+
+
+def test_directors_turn_by_the_angle_of_their_speed():
+    """Both sides of where the series of sine and cosine ends, and a director at rest."""
+    angles = np.array([0.0, 1e-9, 1e-3, 0.0999, 0.1001, 1.0])
+    w, q = np.zeros((6, 6)), np.zeros((6, 3))
+    w[:, 3], q[:, 1] = 1.0, angles / 1e-4
+    explicit.drift(w, np.zeros((6, 3)), q, 1e-4)
+    turned = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    along = np.stack([-np.sin(angles), np.cos(angles), 0 * angles], axis=1)
+    assert np.abs(w[:, 3:] - turned).max() < 4e-16
+    assert np.abs(q - angles[:, None] / 1e-4 * along).max() < 4e-16 / 1e-4
