@@ -176,3 +176,12 @@ def test_profile_of_a_step(tmp_path):
     assert 1000 < counted["undamped"] < counted["damped"]
     assert min(results["limits"].values()) > 1e8
     assert done.stdout.splitlines()[0].count("|") == 2 + len(results["columns"])
+
+
+def test_start_of_a_demo(tmp_path):
+    """Less time than the whole run, which is not made: nothing but the table is printed."""
+    done = run("demos/start_up.py", "--demo", "roll_up", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "summary.json").read_text())
+    assert 0 < found["results"]["roll_up"]["warm"] < found["seconds"]["total"] / 3
+    assert len(done.stdout.splitlines()) == 3
