@@ -278,8 +278,8 @@ def warn_of_corners(surface):
     if count:
         warnings.warn(
             f"cell {worst} of {surface.source} has a corner of {widest[worst]:.0f} degrees (more "
-            f"than 150 in {count} cells): quads that lean so much are too stiff in bending, cut them "
-            "into triangles or mesh this place again",
+            f"than 150 in {count} cells): quads that lean so much are too stiff in bending, cut "
+            "them into triangles or mesh this place again",
             stacklevel=3,
         )
 
