@@ -121,7 +121,8 @@ def fabrics():
         thin = strip(ratio * LENGTH)
         yield row("thickness/length, rolled up", f"{ratio:g}", rolls(thin))
         yield row("thickness/length, in flight", f"{ratio:g}", flies(strip(ratio)))
-        yield row("thickness/length, lowest note", f"{ratio:g}", rings(ratio))
+        if ratio >= 1e-6:  # below, steps are cut back again and again: see `rolled up`
+            yield row("thickness/length, lowest note", f"{ratio:g}", rings(ratio))
     base = tumbled(strip(1e-3), steps=400)
     for modulus in (1e2, 1e6, 1e12):
         yield row("modulus, rolled up", f"{modulus:g} Pa", rolls(strip(modulus=modulus)))
@@ -253,7 +254,7 @@ def steps():
     for part in (1e-2, 0.3, 1.0, 1.5, 10.0):
         yield row("explicit step/stable step", f"{part:g}", lambda p=part: swing(p, 1e-3, loss))
     yield row("explicit, forced past the check", "10", lambda: swing(10.0, 1e-3, loss, forced=True))
-    for part, until in ((1e-2, 0.01), (1.0, 0.1), (10.0, 0.1), (80.0, 0.1)):
+    for part, until in ((0.1, 0.01), (1.0, 0.1), (10.0, 0.1), (80.0, 0.1)):
         yield row(
             "implicit step/stable step", f"{part:g}",
             lambda p=part, t=until: swing(p, 1e-2, loss, t, implicit=True),
