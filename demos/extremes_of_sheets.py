@@ -1,32 +1,34 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Sheets and solvers at the extremes: what converges, degrades, or is refused.
 
-    python demos/extremes_of_sheets.py          a minute or two
-    python demos/extremes_of_sheets.py --long   with a million cells, a million steps, 20 turns
+    python demos/extremes_of_sheets.py           a minute or two
+    python demos/extremes_of_sheets.py --long    with a million cells, a million steps, 20 turns
+    python demos/extremes_of_sheets.py --every   each value tried on its own line
 
-prints a table in Markdown: direction, value, verdict, figure. `converges` is said where the exact
+prints a table in Markdown, one line a direction, and leaves every row (direction, value, verdict,
+figure) in out/extremes_of_sheets/summary.json. `converges` is said where the exact
 answer is met (that of the mesh within its known error, momenta to roundoff); `degrades` names what
 is lost; `refused` gives the sentence a user reads.
 """
 
+import json
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
+from extremes_table import HEAD, condensed, markdown
 from sheets_at_extremes import (
     LENGTH,
     at_rest,
     leaning,
     loose,
-    million,
     pulled,
     rolled,
-    spun,
     strip,
-    swung,
-    tumbled,
     turned_round,
 )
+from sheets_in_motion import million, rung, spun, swung, tumbled
 
 from shellform import Fabric
 from shellform.sheet import UnitWarning
@@ -35,6 +37,7 @@ from shellform.stepper import Unstable
 
 REFUSALS = (ValueError, NotConverged, Unstable)
 OF_MESH = 1e-4  # of the tip of a turn of 16 cells: 0.0066 (2 pi/16)^6 = 2.4e-5
+OF_NOTE = 3e-3  # of a period by 16 cells of lumped mass, and more by shear of a thick strip
 PATCH = 1e-8  # of a uniform strain, which any mesh must show
 ROUNDOFF, EPS = 1e-12, np.finfo(float).eps
 ENERGY = 1e-3  # swing of the energy of central differences at 0.9 of the stable step
@@ -91,6 +94,16 @@ def flies(fabric, **options):
     return measure
 
 
+def rings(ratio):
+    """A measure of `row`: the lowest note of a strip held at one end."""
+
+    def measure():
+        out = rung(ratio)
+        return judged(max(out["error"], abs(out["swing"] - 1)), OF_NOTE, "misses the note")
+
+    return measure
+
+
 def like(one, other):
     """(True or loss, figure) of two flights that only units or place tell apart."""
     error = np.abs(one["places"] - other["places"]).max() / np.abs(other["places"]).max()
@@ -108,6 +121,8 @@ def fabrics():
         thin = strip(ratio * LENGTH)
         yield row("thickness/length, rolled up", f"{ratio:g}", rolls(thin))
         yield row("thickness/length, in flight", f"{ratio:g}", flies(strip(ratio)))
+        if ratio >= 1e-6:  # below, steps are cut back again and again: see `rolled up`
+            yield row("thickness/length, lowest note", f"{ratio:g}", rings(ratio))
     base = tumbled(strip(1e-3), steps=400)
     for modulus in (1e2, 1e6, 1e12):
         yield row("modulus, rolled up", f"{modulus:g} Pa", rolls(strip(modulus=modulus)))
@@ -226,12 +241,12 @@ def turns():
 
 
 def steps():
-    fine = swung(0.05)[0]
-    size = np.abs(fine).max()
+    fine = {until: swung(0.05, until)[0] for until in (0.1, 0.01)}
 
-    def swing(part, bar, loss, **kind):
-        out, stepper = swung(part, **kind)
-        good, figure = judged(float(np.abs(out - fine).max() / size), bar, loss)
+    def swing(part, bar, loss, until=0.1, **kind):
+        out, stepper = swung(part, until, **kind)
+        error = np.abs(out - fine[until]).max() / np.abs(fine[until]).max()
+        good, figure = judged(float(error), bar, loss)
         back = stepper.cutbacks if kind.get("implicit") else stepper.rewind.cutbacks
         return good, f"{figure}, {stepper.steps} steps, cut back {back} times"
 
@@ -239,10 +254,10 @@ def steps():
     for part in (1e-2, 0.3, 1.0, 1.5, 10.0):
         yield row("explicit step/stable step", f"{part:g}", lambda p=part: swing(p, 1e-3, loss))
     yield row("explicit, forced past the check", "10", lambda: swing(10.0, 1e-3, loss, forced=True))
-    for part in (1.0, 10.0, 100.0, 1000.0):
+    for part, until in ((0.1, 0.01), (1.0, 0.1), (10.0, 0.1), (80.0, 0.1)):
         yield row(
             "implicit step/stable step", f"{part:g}",
-            lambda p=part: swing(p, 1e-2, loss, implicit=True),
+            lambda p=part, t=until: swing(p, 1e-2, loss, t, implicit=True),
         )  # fmt: skip
     for levels in (20, 2, 1):
         yield row("load steps of a turn", f"{levels}", rolls(strip(), levels=levels))
@@ -276,7 +291,16 @@ def rows(with_long=False):
     return [line for part in parts for line in part()]
 
 
+def main(arguments):
+    table = rows("--long" in arguments)
+    folder = Path("out/extremes_of_sheets")
+    folder.mkdir(parents=True, exist_ok=True)
+    keys = ("direction", "value", "verdict", "figure")
+    whole = [dict(zip(keys, line, strict=True)) for line in table]
+    (folder / "summary.json").write_text(json.dumps({"rows": whole}, indent=1))
+    every = "--every" in arguments
+    print("\n".join(markdown(keys, table) if every else markdown(HEAD, condensed(table))))
+
+
 if __name__ == "__main__":
-    print("| direction | value | verdict | figure |\n|---|---|---|---|")
-    for line in rows("--long" in sys.argv[1:]):
-        print(f"| {' | '.join(line)} |", flush=True)
+    main(sys.argv[1:])

@@ -38,7 +38,13 @@ def lumped(surface, fabric, rotary_scale=ROTARY_SCALE):
     ----------
     surface : meshes.Surface; fabric : Fabric
     rotary_scale : float, c of the header; 0 keeps the physical rotary inertia
+
+    Raises
+    ------
+    ValueError for a rotary_scale that is negative or not finite
     """
+    if not 0 <= rotary_scale < np.inf:
+        raise ValueError(f"rotary_scale is a finite number, not negative, not {rotary_scale}")
     areas = nodal_areas(surface)
     mass = fabric.areal_mass * areas
     scale = np.maximum(fabric.thickness**2, rotary_scale * areas) / 12

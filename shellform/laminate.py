@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 SHEAR_CORRECTION = 5.0 / 6.0  # parabolic shear stress over a rectangular section
+RANGE = (1e-40, 1e40)  # cubes of a thickness and products of stiffnesses stay numbers
 
 
 class FabricError(ValueError):
@@ -23,7 +24,10 @@ class FabricError(ValueError):
 
 
 def positive(unit: str, **values: float) -> None:
-    """Raise FabricError for the first of the named values that is not a finite number above 0."""
+    """Raise FabricError for the first of the named values that is not a finite number above 0.
+
+    Numbers whose cubes and products doubles cannot hold (beyond `RANGE`) are none of any sheet.
+    """
     for name, value in values.items():
         try:
             good = np.ndim(value) == 0 and np.isfinite(value) and value > 0.0
@@ -32,6 +36,11 @@ def positive(unit: str, **values: float) -> None:
         if not good:
             shown = f"{value:g}" if isinstance(value, int | float) else repr(value)
             raise FabricError(f"{name} = {shown} {unit} is not a positive finite number.")
+        if not RANGE[0] <= value <= RANGE[1]:
+            raise FabricError(
+                f"{name} = {value:g} {unit} is out of the range of numbers, {RANGE[0]:g} to "
+                f"{RANGE[1]:g}: check its unit."
+            )
 
 
 def symmetric(name: str, value, size: int, unit: str) -> np.ndarray:
@@ -58,7 +67,8 @@ def check_definite(name: str, matrix: np.ndarray, unit: str, hint: str = "") -> 
     if not (diagonal > 0.0).all():
         shown = ", ".join(f"{value:g}" for value in diagonal)
         raise FabricError(f"{name} has a diagonal [{shown}] {unit} that is not all positive.{hint}")
-    lowest = np.linalg.eigvalsh(matrix / np.sqrt(np.outer(diagonal, diagonal)))[0]
+    scale = np.sqrt(diagonal)
+    lowest = np.linalg.eigvalsh(matrix / np.outer(scale, scale))[0]
     if lowest < 1e-12:  # above roundoff; steel foil on the softest foam stays above it
         raise FabricError(
             f"{name} is not positive definite: with its diagonal scaled to 1 the lowest "

@@ -159,9 +159,15 @@ class Loads:
 
 
 def factor(amplitude, level, default):
-    """Value of an amplitude at a level; of no amplitude: `default`, or the level itself."""
+    """Value of an amplitude at a level; of no amplitude: `default`, or the level itself.
+
+    ValueError for an amplitude that is no finite number there.
+    """
     if amplitude is not None:
-        return amplitude(level)
+        value = amplitude(level)
+        if not np.isfinite(value):
+            raise ValueError(f"the amplitude of a load is {value} at level or time {level:g}")
+        return value
     return level if default is None else default
 
 

@@ -24,7 +24,7 @@ from .inertia import ROTARY_SCALE
 from .internal_force import InternalForce
 from .rewind import Rewind
 from .stable_step import stable_step
-from .stepper import Stepper, Unstable
+from .stepper import Stepper, Unstable, check_time
 
 WORKS = ("internal", "external", "drag", "support", "damping")
 
@@ -112,7 +112,9 @@ class Newmark(Stepper):
         Raises
         ------
         Unstable, on all ranks, when smaller steps diverge too; the last good state is restored
+        ValueError for a time that is not finite
         """
+        check_time(until)
         if until <= self.time:
             return
         self.rewind.begin((until - self.time) / self.dt)

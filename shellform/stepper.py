@@ -68,6 +68,7 @@ class Stepper:
 
     def advance(self, until):
         """Step until a time [s] is reached exactly; the steps left share out the rest evenly."""
+        check_time(until)
         if until <= self.time:
             return
         self._until = until
@@ -129,6 +130,12 @@ class Stepper:
         """Bring ghosts of w, or of another Function, up to date."""
         if self.shell.comm.size > 1:
             (field or self.shell.w).x.scatter_forward()
+
+
+def check_time(until):
+    """ValueError for a time that no number of steps reaches."""
+    if not np.isfinite(until):
+        raise ValueError(f"steps lead to a finite time in s, not to {until}")
 
 
 class _Context:

@@ -133,10 +133,13 @@ class Supports:
         self.motions.append((local, rows, displacement, director))
 
     def prescribed(self, level):
-        """Yield (local nodes, displacements or None, directors or None) at a load level."""
+        """Yield (local nodes, displacements or None, directors or None) at a load level.
+
+        ValueError, on all ranks, where a function gives what is no finite number.
+        """
         for local, rows, displacement, director in self.motions:
-            u = None if displacement is None else _rows(displacement(level), rows)
-            d = None if director is None else _rows(director(level), rows)
+            u = None if displacement is None else _rows(displacement, level, rows)
+            d = None if director is None else _rows(director, level, rows)
             yield local, u, d
 
     def steady_goals(self):
@@ -189,6 +192,8 @@ def unit(vector):
     return vector / np.linalg.norm(vector)
 
 
-def _rows(values, rows):
-    values = np.asarray(values, float)
+def _rows(motion, level, rows):
+    values = np.asarray(motion(level), float)
+    if not np.isfinite(values).all():  # of all nodes, so that all ranks raise or none does
+        raise ValueError(f"a prescribed motion gives no finite numbers at level or time {level:g}")
     return np.broadcast_to(values, (len(rows), 3)) if values.ndim == 1 else values[rows]
