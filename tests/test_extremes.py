@@ -68,6 +68,7 @@ def test_lowest_note(ratio):
     assert coarse["error"] / out["error"] == pytest.approx(4, rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_lowest_note_of_a_thick_strip():
     """At a tenth of the length shear lowers it by half a per cent, between bending and Dunkerley.
 
@@ -233,6 +234,7 @@ def test_origin_far_away(far):
 # ---------------------------------------------------------------- turns and steps
 
 
+@pytest.mark.slow
 def test_twenty_turns_strain_nothing():
     """An edge led round statically, a strip spun: no strain but the centrifugal one."""
     assert sheets.turned_round(20)["strain"] < 1e-12
