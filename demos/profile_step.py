@@ -38,6 +38,7 @@ from shellform.torque import Torque
 from shellform.touch import Touch
 
 COMM = MPI.COMM_WORLD
+GAP = 0.05  # between sheet and sphere there [m]
 PARTS = {  # part -> what is timed: (owner, name)
     "internal force": [(InternalForce, "__call__")],
     "contact": [(Touch, "__call__")],
@@ -219,10 +220,12 @@ def traffic(stepper):
 
 
 def drape(cells, damping, seconds):
-    """Profile of a drape from where it lies on the sphere."""
-    stepper, _ = build(Drape(cells=cells, damping=damping))
-    stepper.advance(0.25)
+    """Profile of a sheet let go where it touches the sphere of drape.py."""
+    stepper, _ = build(Drape(cells=cells, damping=damping, pinned=False))
+    stepper.owned[:, 2] -= GAP
+    stepper.scatter()
     steps = max(100, int(seconds / (1e-6 * cells**2)))
+    stepper.advance(0.3 * steps * stepper.dt)
     return profile(stepper, stepper.time + steps * stepper.dt), stepper
 
 
