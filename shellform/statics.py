@@ -135,7 +135,7 @@ class Statics:
         if not self.shell.comm.rank:
             warnings.warn(
                 f"at level {self.level:.6g} the loads, {loads:.2g} N, are below the roundoff of "
-                f"the membrane's forces, {roundoff:.2g} N: what they do is not resolved",
+                f"the membrane's forces, {roundoff:.2g} N: what they do may be lost in it",
                 stacklevel=5,
             )
 
