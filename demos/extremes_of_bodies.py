@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Bodies, their motions and captures at the extremes: what converges, degrades, or is refused.
 
-    python demos/extremes_of_bodies.py
+    python demos/extremes_of_bodies.py           a minute or two
+    python demos/extremes_of_bodies.py --every   each value tried on its own line
 
-prints a table: direction, value, verdict, figure. `converges` is said where momentum closes to
+prints a table in Markdown, one line a direction, and leaves every row (direction, value, verdict,
+figure) in out/extremes_of_bodies/summary.json. `converges` is said where momentum closes to
 roundoff, no point ends inside, contact with a body at rest adds no energy, and closed forms are
 met; `degrades` names what is lost; `refused` gives the sentence a user reads.
 """
 
 import extremes_of_captures
 import numpy as np
+from extremes_table import arguments, tell
 from meeting_bodies import (
     CLOTH,
     closing,
@@ -27,6 +30,7 @@ from meeting_bodies import (
 
 from contact.body import Body, Fixed, Segment, Steady
 from contact.correction import Correction
+from shellform import command
 from shellform.statics import NotConverged
 from shellform.stepper import Unstable
 
@@ -219,6 +223,10 @@ def rows():
     return out
 
 
+def main(given=None):
+    options = arguments("extremes_of_bodies", given)
+    tell(rows(), options)
+
+
 if __name__ == "__main__":
-    for line in rows():
-        print(" | ".join(line))
+    command.run(main)

@@ -11,13 +11,10 @@ answer is met (that of the mesh within its known error, momenta to roundoff); `d
 is lost; `refused` gives the sentence a user reads.
 """
 
-import json
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
-from extremes_table import HEAD, condensed, markdown
+from extremes_table import arguments, tell
 from sheets_at_extremes import (
     LENGTH,
     at_rest,
@@ -30,7 +27,7 @@ from sheets_at_extremes import (
 )
 from sheets_in_motion import million, rung, spun, swung, tumbled
 
-from shellform import Fabric
+from shellform import Fabric, command
 from shellform.sheet import UnitWarning
 from shellform.statics import NotConverged
 from shellform.stepper import Unstable
@@ -291,16 +288,10 @@ def rows(with_long=False):
     return [line for part in parts for line in part()]
 
 
-def main(arguments):
-    table = rows("--long" in arguments)
-    folder = Path("out/extremes_of_sheets")
-    folder.mkdir(parents=True, exist_ok=True)
-    keys = ("direction", "value", "verdict", "figure")
-    whole = [dict(zip(keys, line, strict=True)) for line in table]
-    (folder / "summary.json").write_text(json.dumps({"rows": whole}, indent=1))
-    every = "--every" in arguments
-    print("\n".join(markdown(keys, table) if every else markdown(HEAD, condensed(table))))
+def main(given=None):
+    options = arguments("extremes_of_sheets", given, long="a million cells, steps, 20 turns, too")
+    tell(rows(options.long), options)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    command.run(main)

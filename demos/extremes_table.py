@@ -5,6 +5,14 @@ Each line says what was tried, what happens there, the first limit met, in the w
 and the figure at the last value that converges.
 """
 
+import argparse
+import json
+import re
+from pathlib import Path
+
+from shellform import command
+from shellform.results import write_atomically
+
 HEAD = ("direction", "tried", "what happens", "limit", "at the last that converges")
 KINDS = ("converges", "degrades", "refused")
 
@@ -22,7 +30,7 @@ def reason(verdict):
     said = verdict[len(kind(verdict)) :].lstrip(":, ")
     if "whose state is kept. " in said:
         said = "no equilibrium found: " + said.split("whose state is kept. ")[1]
-    return said.split(". ")[0].rstrip(".")
+    return re.split(r"\. (?=[A-Z])", said)[0].rstrip(".")
 
 
 def span(values):
@@ -60,3 +68,22 @@ def markdown(head, rows):
     """Lines of a table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines]
+
+
+def arguments(name, given, **more):
+    """Options of a demo of extremes; more : flag -> help."""
+    parser = argparse.ArgumentParser(allow_abbrev=False, description="A table of extremes.")
+    parser.add_argument("--every", action="store_true", help="a line for each value tried")
+    for flag, said in more.items():
+        parser.add_argument(f"--{flag}", action="store_true", help=said)
+    parser.add_argument("--out", type=Path, default=Path("out") / name, help="folder")
+    return command.parse(parser, given)
+
+
+def tell(rows, options):
+    """Print the table and leave all rows in summary.json."""
+    keys = ("direction", "value", "verdict", "figure")
+    whole = [dict(zip(keys, line, strict=True)) for line in rows]
+    options.out.mkdir(parents=True, exist_ok=True)
+    write_atomically(options.out / "summary.json", json.dumps({"rows": whole}, indent=1) + "\n")
+    print("\n".join(markdown(keys, rows) if options.every else markdown(HEAD, condensed(rows))))

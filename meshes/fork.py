@@ -30,7 +30,6 @@ _SWING = np.radians(30.0)  # of the leg's rows there, downwards from the sideway
 _REACH_OF_ENDS = 0.4  # part of the groin line, from each end, that the ends of the bridge pull in
 _START = 0.8  # length of the slopes at the bridge over the distance to the thigh
 _FINER = 1.15  # number of cells along the bridge over that of equal cells
-_SAMPLES = 401  # along a column, to measure its length
 _ROUNDING = (0.3, 0.4)  # handles of the bridge's Bezier curves at its end and at the fork
 
 
@@ -93,16 +92,14 @@ def _evenly(columns, count):
     Columns that leave the fork sideways turn down at once: equal steps of the spline's parameter
     would put the first row so close below the bridge that it bounds the explicit step.
     """
-    ends = columns.x
-    fine = columns(np.linspace(*ends, _SAMPLES))
-    lengths = np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=2), axis=0)
-    lengths = np.concatenate([np.zeros_like(lengths[:1]), lengths])
-    out = np.empty((count + 1, *fine.shape[1:]))
-    share = np.linspace(0.0, 1.0, count + 1)
-    for k, length in enumerate(lengths.T):
-        at = np.interp(share * length[-1], length, np.linspace(*ends, _SAMPLES))
-        out[:, k] = columns(at)[:, k]
-    out[0], out[-1] = fine[0], fine[-1]
+    start, end = columns.x
+    out = np.empty((count + 1, *columns(start).shape))
+    for k in range(out.shape[1]):
+
+        def column(share, k=k):
+            return columns(start + share * (end - start))[:, k]
+
+        out[:, k] = column(spread(column, count))
     return out
 
 

@@ -111,7 +111,8 @@ def settings(scene):
 
 def describe(report, activity):
     """Enter what is modelled into a report."""
-    plan = plan_of(activity.scene, activity.whole, activity.surface)
+    made = activity.whole, activity.surface, activity.wearer.names
+    plan = plan_of(activity.scene, *made)
     report.describe(activity.shell, **plan, time_step=activity.stepper.dt)
 
 

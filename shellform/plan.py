@@ -31,13 +31,14 @@ def terms_of(fabric, thick=False):
     return [*terms, "chi"] if thick else terms
 
 
-def plan_of(scene, wearer=None, surface=None):
-    """Plan of a scene, from the scene alone; wearer and surface spare making them once more.
+def plan_of(scene, wearer=None, surface=None, near=None):
+    """Plan of a scene, from the scene alone; the others spare making them once more.
 
     Parameters
     ----------
     scene : Scene
     wearer : contact.wearer.Wearer with all its ellipsoids; surface : meshes.Surface, of build.py
+    near : names of those that the garment can come to
 
     Raises
     ------
@@ -48,7 +49,7 @@ def plan_of(scene, wearer=None, surface=None):
 
     wearer = build.wearer_of(scene) if wearer is None else wearer
     surface = build.garment_of(scene, wearer) if surface is None else surface
-    near = build.dressed_wearer(scene, wearer, surface).names
+    near = build.dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
     terms = [*terms_of(build.fabric(scene)), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
@@ -174,7 +175,7 @@ def plan(scene, comm):
         )
     return [
         *lines,
-        *told(plan_of(scene, wearer, surface)),
+        *told(plan_of(scene, wearer, surface, activity.wearer.names)),
         f"steps      {stepper.dt:.3g} s ({scene.steps.time_step_factor:g} of the largest stable "
         f"one), about {steps} with up to {dressing:.1f} s of dressing",
         f"cost       about {steps * cost / 60:.1f} minutes on {comm.size} "
