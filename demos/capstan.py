@@ -27,12 +27,15 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, accuracy, command, trade_table
-from shellform.law import richardson
-from shellform.newmark import Newmark
-from shellform.results import Report
-from shellform.touch import Touch
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell
+from shellform import console as command
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy import measured as trade_table
+from shellform.accuracy.error_law import richardson
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics.explicit import Newmark
+from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 WIDTH, TAIL, HELD, SPEED = 0.02, 0.15, 2.0, 0.1  # m, m, N, m/s

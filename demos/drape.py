@@ -26,13 +26,17 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, accuracy, checkpoint, command, trade_table
-from shellform.law import richardson
-from shellform.ledger import Ledger
-from shellform.newmark import Newmark
-from shellform.results import Report, Series
-from shellform.touch import Touch
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell
+from shellform import console as command
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy.error_law import richardson
+from shellform.accuracy.measured import seconds
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics import checkpoint
+from shellform.dynamics.explicit import Newmark
+from shellform.results.ledger import Ledger
+from shellform.results.report import Report, Series
 
 COMM = MPI.COMM_WORLD
 G = 9.81
@@ -119,14 +123,14 @@ def sheet(options):
 def stepper_of(options, shell, body):
     """Stepper of the model asked for, and its contact with the body."""
     if options.stepper == "implicit":
-        from shellform.implicit import ImplicitNewmark
-        from shellform.implicit_contact import ImplicitTouch
+        from shellform.contact_coupling.implicit_contact import ImplicitTouch
+        from shellform.dynamics.implicit import ImplicitNewmark
 
         stepper = ImplicitNewmark(shell, options.time_step, alpha=options.alpha, drag=options.drag)
         return stepper, ImplicitTouch(stepper, body, options.friction)
     model = Newmark
     if options.model == "particles":
-        from shellform.particles import Particles as model
+        from shellform.dynamics.mass_spring import Particles as model
     stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
     return stepper, Touch(stepper, body, options.friction)
 
@@ -196,7 +200,7 @@ def main(given=None):
         work = len(square.points), options.seconds / stepper.dt
         took = None  # of implicit steps no time was measured
         if options.stepper == "explicit":
-            took = trade_table.seconds("drape", choice.family, *work) / COMM.size
+            took = seconds("drape", choice.family, *work) / COMM.size
         command.say(choice.lines(took))
     later = None
     if options.handover is not None:
@@ -214,7 +218,7 @@ def main(given=None):
     for time in command.progress(times, len(times), "drape"):
         with report.stage("solve"):
             if later and time > options.handover:
-                from shellform.particles import hand_over
+                from shellform.dynamics.mass_spring import hand_over
 
                 stepper.advance(options.handover)
                 report.shift(touch.seconds, "solve", "contact")
@@ -249,7 +253,7 @@ def main(given=None):
         print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
         print(f"{results['strain_energy']:.3e} J, depth {1e3 * deepest:.4f} mm")
         with report.stage("output"):
-            from shellform.pictures import drape_pictures
+            from shellform.pictures.surfaces import drape_pictures
 
             drape_pictures(report.folder, frames, square.cells, body, times[0])
     iterations = 0

@@ -24,16 +24,19 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from contact.recording import Recording
-from contact.wearer import Wearer
-from shellform import Fabric, Shell, accuracy, command, trade_table
-from shellform.inertia import ROTARY_SCALE
-from shellform.law import companion, left
-from shellform.ledger import Ledger
-from shellform.newmark import Newmark
-from shellform.results import Report
-from shellform.torque import Torque
-from shellform.touch import Touch
+from shellform import Fabric, Shell
+from shellform import console as command
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy import measured as trade_table
+from shellform.accuracy.error_law import companion, left
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics.explicit import Newmark
+from shellform.fem.lumped_mass import ROTARY_SCALE
+from shellform.motion.recording import Recording
+from shellform.motion.wearer import Wearer
+from shellform.results.joint_torque import Torque
+from shellform.results.ledger import Ledger
+from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 LENGTH, APART = 0.3, 0.1  # m: semi-axis along the limb; from the knee to an ellipsoid's middle
@@ -203,7 +206,7 @@ def replace_around(options, around):
 
 def draw(path, runs):
     """Torque against angle, and -dU/dtheta where there is no friction."""
-    from shellform.pictures import new_figure, save_figure
+    from shellform.pictures.surfaces import new_figure, save_figure
 
     figure, axes = new_figure(1, (6.5, 4.5), "A sleeve around a bending knee")
     for friction, run in runs.items():

@@ -25,9 +25,12 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from shellform import Fabric, Shell, Statics, accuracy, command, trade_table
-from shellform.law import companion, left
-from shellform.results import Report, Series
+from shellform import Fabric, Shell, Statics
+from shellform import console as command
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy.error_law import companion, left
+from shellform.accuracy.measured import seconds, tricks
+from shellform.results.report import Report, Series
 
 COMM = MPI.COMM_WORLD
 FAMILIES = ("quads", "nine-node quads")  # by degree
@@ -139,7 +142,7 @@ def main(given=None):
         report.describe(shell, inertia=False, contact=False)
     if choice:
         work = len(shell.surface.points), options.steps
-        took = trade_table.seconds("roll_up", choice.family, *work) / COMM.size
+        took = seconds("roll_up", choice.family, *work) / COMM.size
         command.say(choice.lines(took))
     with report.stage("compile"):
         shell.forms()
@@ -172,7 +175,7 @@ def main(given=None):
     # ## What other cells differ by
     usual = int(np.ceil(STEPS * abs(turns)))
     used = [f"{options.steps} load steps"] if options.steps < usual else []
-    told = {"tricks": trade_table.tricks("roll_up", used)}
+    told = {"tricks": tricks("roll_up", used)}
     if choice:
         with report.stage("solve"):
             told["accuracy"] = reached(options, choice, tip)
@@ -185,7 +188,7 @@ def main(given=None):
             shape = f"{level * turns:8.3f} {x:10.5f} {z:10.5f} {x_exact:10.5f} {z_exact:10.5f}"
             print(f"{shape}  {error:.1e}  {newton:6d}")
         with report.stage("output"):
-            from shellform.pictures import roll_up_picture
+            from shellform.pictures.surfaces import roll_up_picture
 
             title = f"Roll-up, {options.cells} cells, tip within {error:.1e} of the length"
             roll_up_picture(report.folder / "roll_up.png", frames, exact, title)

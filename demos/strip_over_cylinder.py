@@ -34,12 +34,15 @@ from scipy.integrate import solve_ivp, trapezoid
 from scipy.optimize import brentq
 
 import meshes
-from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, accuracy, command, trade_table
-from shellform.law import richardson
-from shellform.newmark import Newmark
-from shellform.results import Report
-from shellform.touch import Touch
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell
+from shellform import console as command
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy import measured as trade_table
+from shellform.accuracy.error_law import richardson
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics.explicit import Newmark
+from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 GRAVITY, WIDTH, WINDOW = 9.81, 0.02, 0.05  # m/s^2, m, s
@@ -330,7 +333,7 @@ def main(given=None):
 
 def picture(path, exact, cells, runs):
     """The strip at rest, forces summed over the angle, and errors over cells."""
-    from shellform.pictures import new_figure, save_figure
+    from shellform.pictures.surfaces import new_figure, save_figure
 
     title = "A strip over a cylinder: contact at nodes, and inside cells as well"
     figure, (left, middle, right) = new_figure(1, (12, 4.4), title, columns=3)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from . import command
+from . import console as command
 
 TEMPLATE = """\
 # A scene of shellform. Everything left out has the value shown; paths are relative to this file.
@@ -102,24 +102,26 @@ def main(given=None):
         return
     comm = MPI.COMM_WORLD
     if options.do == "check":
-        from .plan import plan
-        from .scene_file import read_scene
+        from shellform.scene.scene_file import read_scene
+        from shellform.simulation.plan import plan
 
         lines = plan(read_scene(options.scene), comm)
         if comm.rank == 0:
             print("\n".join(lines))
         return
-    from .scene_file import read_scene
+    from shellform.scene.scene_file import read_scene
 
     if options.do == "trade":
-        from .trade import trade
+        from shellform.simulation.error_study import trade
 
         out = options.out or Path("out/trade") / options.scene.stem
         command.say(trade(read_scene(options.scene), comm, out if options.measure else None))
         return
-    from . import account, activity
-    from .accuracy import told
-    from .trade import check_cells, estimate
+    from shellform.accuracy.choice import told
+    from shellform.simulation.error_study import check_cells, estimate
+
+    from .simulation import run as activity
+    from .simulation import summary as account
 
     if options.do == "run":
         out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
