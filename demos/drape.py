@@ -27,8 +27,7 @@ import numpy as np
 
 import meshes
 from contact.body.segments import Body, Fixed, Segment
-from shellform import Fabric, Shell
-from shellform import console as command
+from shellform import Fabric, Shell, console
 from shellform.accuracy import choice as accuracy
 from shellform.accuracy.error_law import richardson
 from shellform.accuracy.measured import seconds
@@ -36,7 +35,8 @@ from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
-from shellform.results.report import Report, Series
+from shellform.results.report import Report
+from shellform.results.series import Series
 
 COMM = MPI.COMM_WORLD
 G = 9.81
@@ -48,7 +48,7 @@ def arguments(given):
         description="Drape a square of cloth over an ellipsoid.",
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--cells", type=positive(int), help="along a side (default: accuracy)")
     parser.add_argument("--degree", type=int, choices=(1, 2), default=1, help="of the quads")
     parser.add_argument("--stepper", choices=("explicit", "implicit"), default="explicit")
@@ -79,10 +79,10 @@ def arguments(given):
         "--damping", type=float, default=2e-4, help="stiffness-proportional, of explicit steps, s"
     )
     parser.add_argument("--drag", type=float, default=0.5, help="of still air, 1/s")
-    parser.add_argument("--accuracy", type=command.accuracy, default=0.03, metavar="N%")
+    parser.add_argument("--accuracy", type=console.accuracy, default=0.03, metavar="N%")
     parser.add_argument("--frames", type=positive(int), default=40)
     parser.add_argument("--out", default="out/drape", help="folder for results")
-    options = command.parse(parser, given)
+    options = console.parse(parser, given)
     if options.window > options.seconds:
         parser.error("--window must not be longer than --seconds")
     if options.stepper == "implicit" and options.model == "particles":
@@ -201,7 +201,7 @@ def main(given=None):
         took = None  # of implicit steps no time was measured
         if options.stepper == "explicit":
             took = seconds("drape", choice.family, *work) / COMM.size
-        command.say(choice.lines(took))
+        console.say(choice.lines(took))
     later = None
     if options.handover is not None:
         # particles first, on a sheet of their own
@@ -215,7 +215,7 @@ def main(given=None):
     shown = stepper.shell
     frames, deepest = [(shown.positions(), shown.directors())], 0.0
     particle_steps = 0
-    for time in command.progress(times, len(times), "drape"):
+    for time in console.progress(times, len(times), "drape"):
         with report.stage("solve"):
             if later and time > options.handover:
                 from shellform.dynamics.mass_spring import hand_over
@@ -270,7 +270,7 @@ def main(given=None):
     if choice:
         with report.stage("solve"):
             told["accuracy"] = reached(options, choice, body, results["mean_height"])
-        command.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy.told(told["accuracy"])])
     report.write(results, steps=steps, newton_iterations=iterations, time_step=stepper.dt, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
@@ -307,4 +307,4 @@ def summarise(options, stepper, ledger, positions, deepest):
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

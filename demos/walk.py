@@ -21,15 +21,17 @@ from mpi4py import MPI
 
 import numpy as np
 
-from shellform import console as command
+from shellform import console
 from shellform.accuracy.choice import told as accuracy_told
 from shellform.results.joint_torque import rows_until
 from shellform.results.report import Report
-from shellform.scene.scene import Garment, Motion, Output, Scene, Steps
+from shellform.scene.parts import Garment, Motion, Output, Steps
+from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of
 from shellform.simulation.error_study import estimate
+from shellform.simulation.figures import dressing_frames
 from shellform.simulation.run import run
-from shellform.simulation.summary import dressing_frames, summary_of, told
+from shellform.simulation.summary import summary_of, told
 
 COMM = MPI.COMM_WORLD
 JOINT = "right_knee"
@@ -41,7 +43,7 @@ def arguments(given):
         description="Dress a walker in trousers; the torque they exert about the joints.",
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--motion", default="synthetic", help="'synthetic' or C3D, TRC, CSV file")
     parser.add_argument(
         "--fabric", nargs="+", default=["compliant", "stiff"], help="names of cards, or files"
@@ -59,7 +61,7 @@ def arguments(given):
     parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
     parser.add_argument("--frames", type=positive(float), default=15.0, help="pictures a second")
     parser.add_argument("--out", type=Path, default=Path("out/walk"), help="folder for results")
-    return command.parse(parser, given)
+    return console.parse(parser, given)
 
 
 def scene_of(options, fabric):
@@ -121,7 +123,8 @@ def main(given=None):
 
 def draw(options, names, scene):
     """walk.png, torque.png and walk.gif."""
-    from shellform.pictures.walk import draw_all, pressure_figure
+    from shellform.pictures.skin_pressure import pressure_figure
+    from shellform.pictures.walk import draw_all
     from shellform.results.skin_pressure import load
 
     first = options.out / names[0]
@@ -137,4 +140,4 @@ def draw(options, names, scene):
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

@@ -22,8 +22,8 @@ def first_jump(
 
     Parameters
     ----------
-    centres (m, 3), axes (m, 3, 3), velocities, spins (m, 3) : a `contact.body.segments.Pose` at t, and the
-        same at t + dt
+    centres (m, 3), axes (m, 3, 3), velocities, spins (m, 3) : a `Pose` at t, and the same at
+        t + dt
     radii : (m, 3) [m]; dt : float [s]
     """
     for b in range(len(centres)):

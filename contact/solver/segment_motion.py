@@ -31,21 +31,6 @@ TRAVEL = np.dtype(
         ("mates", np.int64),  # set of the ellipsoids that move as one with this
     ]
 )
-SETS = 62  # bits of a set
-
-
-def bits_of(body):
-    """Bits (m,) int of the segments in sets.
-
-    Each its own, if they are no more than SETS; else one for each of the `carriers` that a Wearer
-    has; else the last bit for all that are over.
-    """
-    m = len(body.radii)
-    carriers = list(getattr(body, "carriers", range(m)))
-    kinds = list(dict.fromkeys(carriers))
-    if m > SETS and len(kinds) <= SETS:
-        return np.array([kinds.index(carrier) for carrier in carriers], np.int64)
-    return np.minimum(np.arange(m), SETS)
 
 
 @njit(cache=True, error_model="numpy")

@@ -21,12 +21,11 @@ Their sum, the force on the cloth, stays; of two equal opposite pushes nothing i
 Ellipsoids on one and the same rigid segment (`mates`) make a hard crease, as one body does.
 """
 
-import numpy as np
 from numba import njit
 
 from contact.geometry.ellipsoid import foot_and_normal
 
-from .segment_motion import bits_of, turned_by
+from .segment_motion import turned_by
 from .supporting_planes import set_plane
 
 # tau [s]: brings cloth that swings between two soft sides to rest; in a walk it is no matter
@@ -119,14 +118,3 @@ def from_cloth(planes, first, last, k, travel, out):
         common = 0.5 * min(push, planes[j].push)
         for c in range(3):
             out[c] -= common * (n[c] - planes[j].normal[c])
-
-
-def mates_of(body):
-    """Sets (m,) of the ellipsoids that move as one with each: that have the same entry in the
-    `carriers` of a body that has them, as a Wearer; else each alone."""
-    bits = bits_of(body)
-    names = getattr(body, "carriers", range(len(bits)))
-    sets = {}
-    for name, bit in zip(names, bits, strict=True):
-        sets[name] = sets.get(name, 0) | 1 << int(bit)
-    return np.array([sets[name] for name in names], np.int64)

@@ -19,12 +19,13 @@ import numpy as np
 from numba import njit
 
 from contact.body.pose_check import require_no_jump
+from contact.body.segment_sets import SETS, bits_of, mates_of
 
 from .broad_phase import CLEAR, LEAST, STEPS, left_of, look, surface_motion
+from .contact_ledger import Ledger
 from .friction import coefficients
-from .node_contact import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, Ledger, meet_body
-from .segment_motion import SETS, TRAVEL, bits_of, in_reach, set_travel
-from .soft_crease import mates_of
+from .node_contact import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, meet_body
+from .segment_motion import TRAVEL, in_reach, set_travel
 from .supporting_planes import PLANE
 
 EVERY = 2**63 - 1  # all segments

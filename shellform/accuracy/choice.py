@@ -2,7 +2,8 @@
 """The measured trade between error and cost: the cheapest setting for an error asked for.
 
 Scenes whose solution is known, or known well from finer meshes, were run with cells of many sizes
-(`demos/studies/accuracy/run.py`, which writes the table read here). The relative error of a quantity is
+(`demos/studies/accuracy/run.py`, which writes the table read here). The relative error of a
+quantity is
 
     error^2 = (s C r^p + own)^2 + spread^2,   r = h/l,
 
@@ -207,7 +208,7 @@ def relative_error(asked):
 def told(entry):
     """A line for a person after a run, from `Choice.summary`."""
     if entry["predicted"] is None:
-        return f"error of {entry['of']}: not measured, shellform/accuracy/measured.csv has none of this case"
+        return f"error of {entry['of']}: not measured, measured.csv has none of this case"
     line = f"error of {entry['of']}: predicted {percent(entry['predicted'])}"
     if entry["estimated"] is not None:
         line += f", estimated {percent(entry['estimated'])}"

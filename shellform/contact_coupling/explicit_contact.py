@@ -6,8 +6,9 @@ met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
 are the sheet on the body. `samples=k` meets k x k points inside every cell besides, on its chords
-(contact/solver/cell_samples.py): for bodies thin enough to pass between nodes, at the price of nodes that stand
-off by h^2/(8 R) where cells bend around a body. `demos/strip_over_cylinder.py` measures both.
+(contact/solver/cell_samples.py): for bodies thin enough to pass between nodes, at the price of
+nodes that stand off by h^2/(8 R) where cells bend around a body.
+`demos/strip_over_cylinder.py` measures both.
 
 Components of the displacement that a support holds are left to it: what contact would give them
 goes to the support. Nodes held in all three are not met.

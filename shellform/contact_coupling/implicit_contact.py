@@ -27,9 +27,9 @@ import numpy as np
 
 from contact.body.pose_check import require_no_jump
 from contact.solver import active_set, held_nodes
+from contact.solver.contact_ledger import Ledger
 from contact.solver.friction import coefficients
 from contact.solver.held_nodes import FIXED, OPEN
-from contact.solver.node_contact import Ledger
 
 ROUNDS = 30  # solves of a step before it counts as failed
 NEAR = 1e-6  # of the scene's length: error of the place of a node on a curved surface

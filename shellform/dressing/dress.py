@@ -235,3 +235,6 @@ def _go(stepper, until, every, watch):
     for time in np.linspace(stepper.time, until, parts + 1)[1:]:
         stepper.advance(time)
         watch()
+
+
+STAGES = {"below": "feet left out", "pull": "pulled up", "belted": "feet back, belt", "settled": ""}

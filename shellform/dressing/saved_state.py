@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shellform.scene.wearer import stance
+from shellform.motion.stance import stance
 
 from .belt import Belt
 from .dress import Dressing, settle

@@ -12,7 +12,7 @@ import numpy as np
 
 from shellform import __version__
 
-from .step_retry import clock, set_clock
+from .state import clock, set_clock
 
 
 def save(path, stepper, touch=None, more=None):

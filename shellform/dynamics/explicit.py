@@ -18,14 +18,15 @@ import numpy as np
 
 from dolfinx import fem
 
+from shellform.errors import Unstable
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.lumped_mass import ROTARY_SCALE
 
-from . import explicit_kernels as explicit
+from . import explicit_kernels
 from .explicit_supports import conditions, follow
 from .stable_step import stable_step
 from .step_retry import Rewind
-from .time_stepper import Stepper, Unstable, check_time
+from .time_stepper import Stepper, check_time
 
 WORKS = ("internal", "external", "drag", "support", "damping")
 
@@ -138,7 +139,7 @@ class Newmark(Stepper):
                 self.fault = str(fault)  # other ranks learn of it at the next `check`
         self._book(length)
         self.last_kick = length
-        self.moved_sum = explicit.drift(self.owned, self.v, self.q, dt)
+        self.moved_sum = explicit_kernels.drift(self.owned, self.v, self.q, dt)
         self.scatter()
         self.last_dt, self.time, self.steps = dt, self.time + dt, self.steps + 1
         if self.steps % self.recheck == 0:
@@ -177,13 +178,13 @@ class Newmark(Stepper):
             self._follow(self._next, dt)
 
     def _kick(self, v, q, r, dt, impulse, work):
-        explicit.kick(
+        explicit_kernels.kick(
             v, q, r, self.force, self.owned[:, 3:], self.held, self.plane, self.mass,
             self.inertia, self.drag, dt, impulse, work,
         )  # fmt: skip
 
     def _book(self, dt):
-        explicit.book(
+        explicit_kernels.book(
             self.v_old, self._free, self.v, self.r, self.force, self.held, self.mass, self.drag,
             dt, self.support_impulse, self.works, self.totals,
         )  # fmt: skip
@@ -215,7 +216,9 @@ class Newmark(Stepper):
     def internal_force(self):
         """Internal forces (n_owned, 6) [N, N m] at present, damped, less those of pressure."""
         if self.damping:
-            explicit.ahead(self.owned, self.v, self.q, self.damping, self._ahead[: self.n_owned])
+            explicit_kernels.ahead(
+                self.owned, self.v, self.q, self.damping, self._ahead[: self.n_owned]
+            )
             self.scatter(self._field)
         loads = self.shell.loads
         pressure = loads.pressure_at(self.time, 1.0) if loads.pressures else 0.0
@@ -248,7 +251,7 @@ class Newmark(Stepper):
         self._kick(v, q, r, dt, impulse, works)
         if turning:
             _book_moments(*turning, q, dt, works)
-        explicit.book(
+        explicit_kernels.book(
             self.v, v, v, r, self.force, self.held, self.mass, self.drag, dt, impulse, works,
             np.zeros((3, 3)),
         )  # fmt: skip
@@ -262,7 +265,7 @@ class Newmark(Stepper):
         v, q, works = self._present()
         comm, owned = self.shell.comm, self.owned
         moving = np.empty(7)
-        explicit.momenta(owned, self.points, v, q, self.mass, self.inertia, moving)
+        explicit_kernels.momenta(owned, self.points, v, q, self.mass, self.inertia, moving)
         sums = comm.allreduce(np.array([*works, moving[6]]))
         now = dict(zip((*WORKS, "kinetic"), sums.tolist(), strict=True))
         now["strain"] = sum(self.strain_energy().values())

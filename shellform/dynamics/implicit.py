@@ -31,10 +31,11 @@ from mpi4py import MPI
 
 import numpy as np
 
-from shellform.statics.load_stepping import NotConverged
+from shellform.errors import NotConverged
+from shellform.fem.director import along, carry
 from shellform.statics.newton import Newton
 
-from .implicit_equilibrium import Inertial, along, carry
+from .implicit_equilibrium import Inertial
 from .implicit_supports import book_drag, constrain, slowed
 from .time_stepper import Stepper
 

@@ -18,6 +18,7 @@ import numpy as np
 from dolfinx import fem
 
 from shellform.fem import director
+from shellform.fem.director import carry, turn_to
 from shellform.statics.equilibrium import Equilibrium
 from shellform.statics.tangent_map import TangentMap
 
@@ -142,24 +143,3 @@ class _TurningMap(TangentMap):
         for i in range(3):
             for j in range(3):
                 self._values[self._start[:, i] + j] = Q[:, j, i] * free[:, j]
-
-
-def along(vectors, d):
-    """Part of vectors (n, 3) along unit vectors d (n, 3)."""
-    return np.sum(vectors * d, axis=1, keepdims=True) * d
-
-
-def turn_to(start, end):
-    """Turns (n, 3) [rad], tangent to `start`, that lead along great circles to `end`."""
-    across = end - along(end, start)
-    sine = np.linalg.norm(across, axis=1, keepdims=True)
-    angle = np.arctan2(sine, np.sum(start * end, axis=1, keepdims=True))
-    return across * np.where(sine > 0, angle / np.where(sine > 0, sine, 1.0), 1.0)
-
-
-def carry(vectors, start, end):
-    """Vectors (n, 3) tangent to `start`, carried parallel along the great circle to `end`."""
-    both = start + end
-    return vectors - np.sum(vectors * end, axis=1, keepdims=True) * both / (
-        1 + np.sum(start * end, axis=1, keepdims=True)
-    )

@@ -17,10 +17,10 @@ explicit steps.
 
 import numpy as np
 
+from shellform.fem.director import along, carry
 from shellform.fem.lumped_mass import ROTARY_SCALE
 
 from .implicit import ImplicitNewmark
-from .implicit_equilibrium import along, carry
 from .implicit_supports import book_drag, constrain, slowed
 
 

@@ -6,7 +6,7 @@ Drag acts before the forces of a step: a node at rest feels none, so it leaves w
 
 import numpy as np
 
-from .implicit_equilibrium import along
+from shellform.fem.director import along
 
 
 def slowed(stepper, dt):

@@ -9,13 +9,10 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from shellform.errors import Unstable
 from shellform.fem.lumped_mass import lumped
 
-from . import explicit_kernels as explicit
-
-
-class Unstable(RuntimeError):
-    """A step produced numbers that are not finite, or energy from nothing."""
+from . import explicit_kernels
 
 
 class Stepper:
@@ -90,7 +87,7 @@ class Stepper:
         """Momentum (3,), angular momentum about the origin (3,), kinetic energy, on every rank."""
         v, q = self.velocities()
         out = np.empty(7)
-        explicit.momenta(self.owned, self.points, v, q, self.mass, self.inertia, out)
+        explicit_kernels.momenta(self.owned, self.points, v, q, self.mass, self.inertia, out)
         out = self.shell.comm.allreduce(out)
         return out[:3], out[3:6], out[6]
 

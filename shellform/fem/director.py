@@ -174,3 +174,24 @@ def push_forward(x, T, Q=None):
 def along_axes(Q, vectors):
     """Components of vectors (n, 3) along the rows of Q (n, 3, 3); Q None: the world's axes."""
     return vectors if Q is None else np.einsum("nij,nj->ni", Q, vectors)
+
+
+def along(vectors, d):
+    """Part of vectors (n, 3) along unit vectors d (n, 3)."""
+    return np.sum(vectors * d, axis=1, keepdims=True) * d
+
+
+def turn_to(start, end):
+    """Turns (n, 3) [rad], tangent to `start`, that lead along great circles to `end`."""
+    across = end - along(end, start)
+    sine = np.linalg.norm(across, axis=1, keepdims=True)
+    angle = np.arctan2(sine, np.sum(start * end, axis=1, keepdims=True))
+    return across * np.where(sine > 0, angle / np.where(sine > 0, sine, 1.0), 1.0)
+
+
+def carry(vectors, start, end):
+    """Vectors (n, 3) tangent to `start`, carried parallel along the great circle to `end`."""
+    both = start + end
+    return vectors - np.sum(vectors * end, axis=1, keepdims=True) * both / (
+        1 + np.sum(start * end, axis=1, keepdims=True)
+    )

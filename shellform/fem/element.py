@@ -222,3 +222,11 @@ def check_warp(surface, fabric):
             f"the warp {warp[bad[0]].tolist()} of cell {bad[0]} of {surface.source} points along "
             "the surface's normal, not along the cloth: give one direction a cell, (cells, 3)"
         )
+
+
+def terms_of(fabric, thick=False):
+    """Names of the strains whose energy a sheet of a fabric has; `thick` as for Shell."""
+    terms = ["membrane", "bending", "transverse shear"]
+    if np.any(fabric.coupling):
+        terms.append("membrane with bending")
+    return [*terms, "chi"] if thick else terms

@@ -12,8 +12,8 @@ import ufl
 from dolfinx import cpp, fem, la
 from ufl.algorithms import expand_derivatives
 
+from .dolfinx_compat import compiled
 from .quad_kernel import add_force, baked
-from .shell import compiled
 
 # without NaN or infinity assumed away: a step that explodes must be seen to
 FAST = ["-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fassociative-math"]

@@ -12,7 +12,6 @@ C (e(w_) + De(w_)[dw_]) (mixed integration point, Magisano, Leonetti and Garcea,
 Methods Engrg. 109, 2017). With w_ = w and dw_ = 0 the same form is the exact tangent.
 """
 
-import logging
 import warnings
 from functools import cached_property
 
@@ -28,17 +27,14 @@ from ufl.algorithms import expand_derivatives
 from meshes import Surface
 from meshes.geometry import widest_corners
 from shellform.material.sheet import Sheet
-from shellform.simulation.plan import terms_of
 
-from .element import check_warp, energy_terms, measure
+from .dolfinx_compat import compiled
+from .element import check_warp, energy_terms, measure, terms_of
 from .loads import Loads
 from .partition import Partition
 from .shape_functions import locate
 from .strains import configuration
 from .supports import Supports
-
-# a rank that waits for another rank's compiler must not give up
-JIT = {"timeout": 600}
 
 
 class Shell:
@@ -282,15 +278,3 @@ def warn_of_corners(surface):
             "them into triangles or mesh this place again",
             stacklevel=3,
         )
-
-
-def compiled(groups, **jit):
-    """Compile tuples of UFL forms; all signatures first: compiling one changes those of others."""
-    for form in (form for group in groups for form in group):
-        form.signature()
-    before = logging.root.manager.disable
-    logging.disable(logging.INFO)  # or the C compiler's command lines reach the terminal
-    try:
-        return [tuple(fem.form(form, jit_params=JIT | jit) for form in group) for group in groups]
-    finally:
-        logging.disable(before)

@@ -109,3 +109,24 @@ def read_fabric(path: str | Path) -> Fabric:
         except tomllib.TOMLDecodeError as error:
             raise FabricError(f"{path}: not a TOML file: {error}.") from None
     return fabric_from_card(card, str(path))
+
+
+CARDS = Path(__file__).parents[1] / "material/fabrics"
+
+
+def fabric_of(given, folder=Path(), where="scene"):
+    """Fabric from a Fabric, the name of a shipped card, a path, or the table of a card."""
+    if isinstance(given, Fabric):
+        return given
+    if isinstance(given, dict):
+        return fabric_from_card(given, f"{where} [fabric]")
+    if not isinstance(given, str | Path):
+        raise ValueError(f"fabric is the name of a card, a file or a table, not {given!r}")
+    shipped = CARDS / f"{given}.toml"
+    if shipped.is_file():
+        return read_fabric(shipped)
+    path = Path(folder) / given
+    if not path.is_file():
+        names = ", ".join(sorted(card.stem for card in CARDS.glob("*.toml")))
+        raise ValueError(f"no fabric '{given}': it is a file, or one of the cards {names}")
+    return read_fabric(path)

@@ -23,8 +23,7 @@ from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, QhullError
 from scipy.special import ellipe
 
-from shellform.motion.gait.leg import HIP_SPACING
-
+from .proportions import HIP_SPACING
 from .recording import SIDES
 
 STATURE, MASS = 1.755, 84.6  # medians [m], [kg]

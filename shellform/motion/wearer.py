@@ -16,7 +16,8 @@ from numba import njit
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from contact.body.segments import Body, Pose, pose_from_markers, semi_axes
+from contact.body.segment_frame import pose_from_markers
+from contact.body.segments import Body, Pose, semi_axes
 
 from .recording import JOINTS
 

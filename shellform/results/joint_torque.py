@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from .report import write_atomically
+from .files import write_atomically
 
 AXES = "xyz"
 COLUMNS = ("time", "joint", "torque_x", "torque_y", "torque_z", "torque_flexion", "power")

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .report import write_atomically
+from .files import write_atomically
 
 AXES = "xyz"
 

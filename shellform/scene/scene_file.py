@@ -23,13 +23,13 @@ from pathlib import Path
 
 import numpy as np
 
-from shellform.material.card import card_keys, fabric_from_card, read_fabric
+from shellform.material.card import card_keys, fabric_of
 from shellform.material.fabric import Fabric, FabricError
-from shellform.results.report import write_atomically
+from shellform.results.files import write_atomically
 
-from .scene import PARTS, Scene
+from .parts import PARTS
+from .scene import Scene
 
-CARDS = Path(__file__).parents[1] / "material/fabrics"
 # what may be a file, relative to that of the scene
 FILES = (("motion", "file"), ("motion", "map"), ("garment", "file"))
 
@@ -87,24 +87,6 @@ def scene_from(data, where="scene", folder=Path()):
         raise
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from None
-
-
-def fabric_of(given, folder=Path(), where="scene"):
-    """Fabric from a Fabric, the name of a shipped card, a path, or the table of a card."""
-    if isinstance(given, Fabric):
-        return given
-    if isinstance(given, dict):
-        return fabric_from_card(given, f"{where} [fabric]")
-    if not isinstance(given, str | Path):
-        raise ValueError(f"fabric is the name of a card, a file or a table, not {given!r}")
-    shipped = CARDS / f"{given}.toml"
-    if shipped.is_file():
-        return read_fabric(shipped)
-    path = Path(folder) / given
-    if not path.is_file():
-        names = ", ".join(sorted(card.stem for card in CARDS.glob("*.toml")))
-        raise ValueError(f"no fabric '{given}': it is a file, or one of the cards {names}")
-    return read_fabric(path)
 
 
 def _named(table, items, where, more=()):

@@ -12,16 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
-from shellform.accuracy import measured as trade_table
+from shellform.accuracy import measured
 from shellform.accuracy.choice import GARMENT, LEADING
 from shellform.accuracy.error_law import FLAT, left
+from shellform.accuracy.prediction import DRESSED
+from shellform.results.files import write_atomically
 from shellform.results.joint_torque import rows_until
-from shellform.results.report import write_atomically
 
+from .model import Activity
 from .summary import summary_of
 
 PERCENT = ("10%", "3%", "1%", "0.3%")
-DRESSED = 2.5  # s, that dressing takes if the cloth is soon quiet, as measured
 COARSEST = 0.04  # m, of cells that still make trousers
 
 
@@ -45,8 +46,8 @@ def options(scene, activity, seconds):
         row = {"asked": asked, "choice": choice, "nodes": many, "time_step": step}
         if choice.laws:
             work = choice.case, choice.family, many
-            row["core_seconds"] = trade_table.seconds(*work, seconds / step)
-            row["memory_mb"] = trade_table.memory(*work)
+            row["core_seconds"] = measured.seconds(*work, seconds / step)
+            row["memory_mb"] = measured.memory(*work)
         rows.append(row)
     return rows
 
@@ -88,7 +89,7 @@ def trade(scene, comm, out=None):
     from . import run as activity
 
     check_cells(scene, "the trade")
-    built = activity.Activity(scene, comm)
+    built = Activity(scene, comm)
     seconds = built.wearer.end - built.wearer.start + DRESSED
     rows = options(scene, built, seconds)
     said = lines(scene, rows, comm.size)
@@ -145,32 +146,6 @@ def check_cells(scene, what):
         )
 
 
-def choice_of(activity):
-    """`accuracy.Choice` of the cells that are there; a garment from a file has its own."""
-    scene = activity.scene
-    if not scene.garment.file:
-        return scene.choice
-    return replace(scene.choice.at(activity.surface.mean_cell_size), asked=None, kept=True)
-
-
-def foretold(activity):
-    """Lines before a run: the errors predicted and the time it will take on these ranks."""
-    choice, wearer = choice_of(activity), activity.wearer
-    if not choice.laws:
-        return choice.lines()
-    steps = (wearer.end - wearer.start + DRESSED) / activity.stepper.dt
-    nodes = len(activity.surface.points)
-    work = trade_table.seconds(choice.case, choice.family, nodes, steps)
-    return choice.lines(work / activity.comm.size)
-
-
-def entry(activity):
-    """`accuracy` of summary.json for a run with no other beside."""
-    choice = choice_of(activity)
-    error = choice.error if choice.laws else None
-    return choice.summary(error, "from errors measured beforehand, no run beside")
-
-
 def estimate(scene, out, comm):
     """Run the scene with other cells beside, and enter what that tells into summary.json.
 
@@ -202,9 +177,3 @@ def estimate(scene, out, comm):
         write_atomically(out / "summary.json", json.dumps(summary, indent=2) + "\n")
     comm.Barrier()
     return entry
-
-
-def tricks(scene):
-    """Tricks of a scene that buy time, with what they were measured to change."""
-    names = ["dressed by particles"] if scene.steps.dressing == "particles" else []
-    return trade_table.tricks("walk", names)

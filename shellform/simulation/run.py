@@ -6,97 +6,26 @@ summary.json and a checkpoint; `resume` goes on from the checkpoint of a run tha
 """
 
 import json
-import signal
 from pathlib import Path
 
 import numpy as np
 
-from shellform.console import Stopped, progress
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.accuracy.prediction import entry, foretold, tricks
+from shellform.console import progress
 from shellform.dressing.belt import Belt
-from shellform.dressing.dress import Dressing, dress, settle
 from shellform.dressing.saved_state import save, wear
 from shellform.dynamics import checkpoint
-from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.time_stepper import Unstable
-from shellform.fem.shell import Shell
+from shellform.errors import Stopped, Unstable
 from shellform.results.joint_torque import Torque
 from shellform.results.ledger import Ledger
-from shellform.results.report import Report, Series
-from shellform.scene import wearer as build
-from shellform.scene.reach import reach_of
+from shellform.results.report import Report
+from shellform.results.series import Series
 from shellform.scene.scene_file import read_scene, write_scene
 
-from .error_study import entry, foretold, tricks
-from .summary import STAGES, describe, settings, summary
-
-
-class Activity:
-    """A scene ready to be stepped.
-
-    Parameters
-    ----------
-    scene : Scene; comm : MPI communicator
-
-    Attributes
-    ----------
-    wearer : Wearer of those ellipsoids that the garment can come to
-    surface, shell, stepper, touch : see build.py, Shell, Newmark, Touch
-    whole : Wearer of all of them
-    """
-
-    def __init__(self, scene, comm):
-        self.scene, self.comm = scene, comm
-        self.whole = build.wearer_of(scene)
-        self.surface = build.garment_of(scene, self.whole)
-        self.wearer = build.dressed_wearer(scene, self.whole, self.surface)
-        fabric = build.fabric(scene)
-        self.shell = Shell(self.surface, fabric, comm)
-        if scene.gravity:
-            self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
-        steps = scene.steps
-        self.stepper = Newmark(
-            self.shell, steps.time_step_factor, damping=steps.damping, drag=steps.drag
-        )
-        self.stepper.strain_energy()
-        self.touch = self._touch(self.stepper)
-
-    def _touch(self, stepper):
-        contact, owned = self.scene.contact, self.shell.partition.owned_nodes
-        friction = contact.friction
-        if contact.kinetic_friction is not None:
-            friction = (friction, contact.kinetic_friction)
-        soft = {"flesh_stiffness": contact.flesh_stiffness}
-        touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
-        touch.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
-        return touch
-
-    @property
-    def weight(self):
-        """Weight of the garment [N]."""
-        return self.comm.allreduce(self.stepper.mass.sum()) * self.scene.gravity
-
-    def dress(self, watch=None):
-        """Put the garment on; returns the report of `dressing.dress`."""
-        tension = self.scene.belt
-        if self.scene.steps.dressing == "shell":
-            self.belt, report = dress(self.stepper, self.touch, tension, watch=watch)
-            return report
-        from shellform.dynamics.mass_spring import Particles, hand_over
-
-        steps = self.scene.steps
-        particles = Particles(self.shell, steps.time_step_factor, drag=steps.drag)
-        touch = self._touch(particles)
-        _, report = dress(particles, touch, tension, watch=watch)
-        hand_over(particles, self.stepper, touch, self.touch)
-        # the shell bends where springs do not: it settles once more
-        plan = Dressing()
-        self.belt = Belt(self.stepper, "waist", tension)
-        self.stepper.time = self.wearer.start - plan.settle
-        self.stepper.advance(self.stepper.time + 0.1)
-        again = settle(self.stepper, self.touch, self.belt, plan, lambda *_: None)
-        self.stepper.drag = steps.drag
-        return again | {"seconds": report["seconds"] + 0.1 + again["seconds"]}
+from .interrupt import Interrupt
+from .model import Activity
+from .recorders import Extremes, dressing_watcher, write_frame
+from .summary import describe, settings, summary
 
 
 def run(scene, out, comm, dressed=None, watch=None):
@@ -126,7 +55,7 @@ def run(scene, out, comm, dressed=None, watch=None):
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
-            fit = activity.dress(_pictured(activity, out, watch))
+            fit = activity.dress(dressing_watcher(activity, out, watch))
         else:
             fit = wear(activity, dressed)
         save(out / "dressed.npz", activity)
@@ -160,7 +89,7 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
     done, resumed = 0, None
     if state is None:
         touch.correction.reset()
-        _frame(activity, series, np.zeros(3))
+        write_frame(activity, series, np.zeros(3))
     else:
         activity.belt = Belt(stepper, "waist", scene.belt)
         resumed = checkpoint.load(state, stepper, touch)
@@ -199,7 +128,7 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
                 impulse = touch.correction.window.impulse / touch.correction.window.seconds
                 ledger.record()
                 if k % picture == 0 or k == count:
-                    _frame(activity, series, impulse)
+                    write_frame(activity, series, impulse)
                     if watch:
                         watch("walk", activity)
                 asked = interrupt.asked()
@@ -221,85 +150,3 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
         accuracy=entry(activity), tricks=tricks(scene),
     )  # fmt: skip
     return results
-
-
-def _frame(activity, series, force):
-    """Write a frame with the contact force [N] on the cloth and its pressure [Pa]."""
-    stepper, shell = activity.stepper, activity.shell
-    gather = shell.partition.gather
-    size = np.linalg.norm(force, axis=-1) * np.ones(stepper.n_owned)
-    area = stepper.mass / shell.fabric.areal_mass
-    data = np.column_stack([np.broadcast_to(force, (stepper.n_owned, 3)), size / area])
-    whole = gather(data, root=0)
-    fields = {}
-    if whole is not None:
-        fields = {"contact_force": whole[:, :3], "contact_pressure": whole[:, 3]}
-    series.write(shell, stepper.time, **fields)
-
-
-def _pictured(activity, out, watch):
-    """Watcher of the dressing that writes a frame of each of its STAGES."""
-    series, seen = Series(out, "dressing"), set()
-
-    def look(stage, stepper):
-        if watch:
-            watch(stage, activity)
-        halfway = stage != "pull" or abs(stepper.owned[:, 2]).max(initial=0.0) < 0.5
-        if stage in STAGES and stage not in seen and activity.comm.allreduce(int(not halfway)) == 0:
-            seen.add(stage)
-            series.write(activity.shell, stepper.time)
-
-    return look
-
-
-class Extremes:
-    """Hook: deepest start of a step inside the body, most pinched nodes, how deep they were.
-
-    Parameters
-    ----------
-    touch : Touch; stepper : Newmark; resumed : state of a checkpoint or None
-    """
-
-    def __init__(self, touch, stepper, resumed=None):
-        self.correction, self._comm = touch.correction, stepper.shell.comm
-        self.values = np.zeros(3) if resumed is None else resumed["extremes"].copy()
-        stepper.hooks.append(self)
-
-    def __call__(self, stepper, dt):
-        now = self.correction
-        self.values[0] = max(self.values[0], now.max_depth)
-        self.values[1] = max(self.values[1], now.pinched)
-        self.values[2] = max(self.values[2], now.pinch_depth)
-
-    def state(self):
-        """Values on this rank, for `restore` (a copy)."""
-        return self.values.copy()
-
-    def restore(self, state):
-        """Continue from `state()`."""
-        self.values[:] = state
-
-    def saved(self):
-        """Largest values over all ranks, for `resumed`."""
-        return {"extremes": np.max(self._comm.allgather(self.values), axis=0)}
-
-
-class Interrupt:
-    """Ctrl-C as a question to be asked between windows, the same answer on all ranks."""
-
-    def __init__(self, comm):
-        self.comm, self.pressed = comm, False
-
-    def __enter__(self):
-        self.before = signal.signal(signal.SIGINT, self._press)
-        return self
-
-    def __exit__(self, *_):
-        signal.signal(signal.SIGINT, self.before)
-
-    def _press(self, *_):
-        self.pressed = True
-
-    def asked(self):
-        """True on all ranks once a rank has been interrupted."""
-        return bool(self.comm.allreduce(int(self.pressed)))

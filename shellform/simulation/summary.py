@@ -5,17 +5,12 @@ import json
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
-
 from shellform.motion.recording import SIDES
-from shellform.results.joint_torque import resistance, rows_until
+from shellform.results.joint_torque import resistance
 from shellform.scene import wearer as build
-from shellform.scene.scene import PARTS
-from shellform.scene.scene_file import read_scene
+from shellform.scene.parts import PARTS
 
 from .plan import plan_of
-
-STAGES = {"below": "feet left out", "pull": "pulled up", "belted": "feet back, belt", "settled": ""}
 
 
 def summary(activity, joints, ledger, extremes, fit):
@@ -84,24 +79,6 @@ def summary_of(out):
     return json.loads((Path(out) / "summary.json").read_text())
 
 
-def draw(out):
-    """Pictures of a run from its files: walk.png, torque.png, walk.gif."""
-    from shellform.pictures.walk import draw_all, pressure_figure
-
-    out = Path(out)
-    scene = read_scene(out / "scene.toml")
-    wearer = build.wearer_of(scene)
-    rows = {scene.title: rows_until(out / "torque.csv", np.inf)}
-    draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
-    if (out / "pressure.npz").is_file():
-        from shellform.results.skin_pressure import load
-
-        skin = load(out / "pressure.npz")
-        path = out / "pressure.png"
-        worn = build.part_of(scene, wearer, skin.names)
-        pressure_figure(path, worn, skin, wearer.start, scene.title)
-
-
 def settings(scene):
     """A scene as plain values for summary.json."""
     settings = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
@@ -115,17 +92,3 @@ def describe(report, activity):
     made = activity.whole, activity.surface, activity.wearer.names
     plan = plan_of(activity.scene, *made)
     report.describe(activity.shell, **plan, time_step=activity.stepper.dt)
-
-
-def dressing_frames(out):
-    """(label, frame, ellipsoids left out) of the stages of dressing, from the files of a run."""
-    from shellform.pictures.walk import read_frames
-
-    if not (Path(out) / "dressing.pvd").is_file():
-        return []
-    frames = read_frames(out, "dressing")
-    feet = [f"{side}_foot" for side in SIDES]
-    return [
-        (f"({letter}) {label or 'settled'}", frame, feet if k < 2 else [])
-        for k, (letter, label, frame) in enumerate(zip("abcd", STAGES.values(), frames))
-    ]

@@ -10,15 +10,13 @@ import warnings
 
 import numpy as np
 
+from shellform.errors import NotConverged
+
 from .equilibrium import Equilibrium
 from .newton import Newton
 from .rigid_modes import describe, free_motions
 
 NEAR = 100.0  # times roundoff: loads below it may be lost in it
-
-
-class NotConverged(RuntimeError):
-    """No solution at some load level after every cut-back; the last good state is kept."""
 
 
 class Statics:

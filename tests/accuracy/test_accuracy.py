@@ -14,12 +14,14 @@ from demos.studies.accuracy import run as trade_off
 from demos.studies.accuracy.held_out import SCENES, measure
 from demos.studies.accuracy.readme_tables import meshes
 from demos.studies.accuracy.rows import reference_of, reference_rows, rms
-from shellform import console as command
+from shellform import console
 from shellform.__main__ import main
 from shellform.accuracy import choice as accuracy
-from shellform.accuracy import measured as trade_table
+from shellform.accuracy import measured
 from shellform.accuracy.error_law import Law, cheapest, companion, fit, front, left, richardson
-from shellform.scene.scene import Garment, Scene, Steps
+from shellform.accuracy.prediction import tricks
+from shellform.scene.parts import Garment, Steps
+from shellform.scene.scene import Scene
 from shellform.simulation import error_study as trade
 from shellform.simulation import run as activity
 from shellform.simulation.summary import summary_of
@@ -218,7 +220,7 @@ def test_the_trade_is_measured(tmp_path, monkeypatch):
     case = trade_off.CASES["roll_up"]
     small = case._replace(ladder=trade_off.CASES["roll_up"].ladder[1:4])
     monkeypatch.setitem(trade_off.CASES, "roll_up", small)
-    monkeypatch.setattr(trade_table, "TABLE", tmp_path / "kept.csv")
+    monkeypatch.setattr(measured, "TABLE", tmp_path / "kept.csv")
     monkeypatch.setattr(trade_off, "words", lambda name: {})
     trade_off.main(["--case", "roll_up", "--budget", "60", "--write", "--out", str(tmp_path)])
     results = json.loads((tmp_path / "summary.json").read_text())["results"]
@@ -230,9 +232,9 @@ def test_the_trade_is_measured(tmp_path, monkeypatch):
     assert (tmp_path / "trade.png").read_bytes()[:4] == b"\x89PNG"
     with open(tmp_path / "trade.csv") as file:
         assert len(list(csv.DictReader(file))) == 3
-    law = trade_table.laws("roll_up", tmp_path / "kept.csv")["quads"]["position"]
+    law = measured.laws("roll_up", tmp_path / "kept.csv")["quads"]["position"]
     assert 5 < law.order < 7
-    assert trade_table.seconds("roll_up", "quads", 26, 20, tmp_path / "kept.csv") > 0
+    assert measured.seconds("roll_up", "quads", 26, 20, tmp_path / "kept.csv") > 0
 
 
 def few(monkeypatch, tmp_path, failing=()):
@@ -246,7 +248,7 @@ def few(monkeypatch, tmp_path, failing=()):
 
     small = case._replace(ladder=case.ladder[1:4], run=run)
     monkeypatch.setitem(trade_off.CASES, "roll_up", small)
-    monkeypatch.setattr(trade_table, "TABLE", tmp_path / "kept.csv")
+    monkeypatch.setattr(measured, "TABLE", tmp_path / "kept.csv")
     return ["--case", "roll_up", "--write", "--out", str(tmp_path)]
 
 
@@ -258,7 +260,7 @@ def test_cases_that_are_not_whole_keep_their_rows(tmp_path, monkeypatch, capsys)
     """A run that fails is told; its case keeps the rows of before, as others do."""
     given = few(monkeypatch, tmp_path, failing=[8])
     table = tmp_path / "kept.csv"
-    table.write_text(trade_off.table_text([OTHER, *3 * [STALE]], trade_table.COLUMNS))
+    table.write_text(trade_off.table_text([OTHER, *3 * [STALE]], measured.COLUMNS))
     before = table.read_text()
     trade_off.main([*given, "--budget", "60"])
     said = capsys.readouterr().out
@@ -276,10 +278,10 @@ def test_a_case_cut_short_counts_if_it_has_as_much(tmp_path, monkeypatch):
     """The finest setting may be left out where the table has it not either."""
     given = few(monkeypatch, tmp_path, failing=[10])
     table = tmp_path / "kept.csv"
-    table.write_text(trade_off.table_text([OTHER, *2 * [STALE]], trade_table.COLUMNS))
+    table.write_text(trade_off.table_text([OTHER, *2 * [STALE]], measured.COLUMNS))
     monkeypatch.setattr(trade_off, "words", lambda name: {})
     trade_off.main([*given, "--budget", "60"])
-    rows = [row for row in trade_table.read(table) if row["kind"] == "mesh"]
+    rows = [row for row in measured.read(table) if row["kind"] == "mesh"]
     assert [row["case"] for row in rows] == ["capstan", "roll_up", "roll_up"]
     assert [row["ratio"] for row in rows[1:]] == pytest.approx(
         [2 * np.pi / n for n in (6, 8)], 1e-4
@@ -289,10 +291,10 @@ def test_a_case_cut_short_counts_if_it_has_as_much(tmp_path, monkeypatch):
 def test_cases_that_are_whole_take_the_place_of_their_rows(tmp_path, monkeypatch):
     given = few(monkeypatch, tmp_path)
     table = tmp_path / "kept.csv"
-    table.write_text(trade_off.table_text([OTHER, STALE], trade_table.COLUMNS))
+    table.write_text(trade_off.table_text([OTHER, STALE], measured.COLUMNS))
     monkeypatch.setattr(trade_off, "words", lambda name: {})
     trade_off.main([*given, "--budget", "60"])
-    rows = trade_table.read(table)
+    rows = measured.read(table)
     assert [row["ratio"] for row in rows if row["case"] == "capstan"] == [0.5]
     mine = [row for row in rows if (row["case"], row["kind"]) == ("roll_up", "mesh")]
     assert [row["ratio"] for row in mine] == pytest.approx(
@@ -314,7 +316,7 @@ def test_the_tables_of_the_readme_come_from_the_table():
     assert len(table) == 2 + len(accuracy.LEADING)
     rows = [
         row
-        for row in trade_table.read()
+        for row in measured.read()
         if (row["case"], row["kind"], row["quantity"]) == ("roll_up", "mesh", "position")
     ]
     good = min((r for r in rows if r["error"] <= 0.01), key=lambda r: r["core_seconds"])
@@ -328,12 +330,12 @@ def test_tricks_are_named_with_what_they_change(tmp_path):
         row | {"quantity": name, "error": e} for name, e in (("torque", 0.02), ("energy", 0.01))
     ]
     table = tmp_path / "table.csv"
-    table.write_text(trade_off.table_text(rows, trade_table.COLUMNS))
-    assert trade_table.tricks("sleeve", ["mass 4", "rotary 9"], table) == {
+    table.write_text(trade_off.table_text(rows, measured.COLUMNS))
+    assert measured.tricks("sleeve", ["mass 4", "rotary 9"], table) == {
         "mass 4": {"torque": 0.02, "energy": 0.01, "cost": 0.5}, "rotary 9": {}
     }  # fmt: skip
-    particles = trade.tricks(Scene(steps=Steps(dressing="particles")))
-    assert set(particles) == {"dressed by particles"} and trade.tricks(Scene()) == {}
+    particles = tricks(Scene(steps=Steps(dressing="particles")))
+    assert set(particles) == {"dressed by particles"} and tricks(Scene()) == {}
 
 
 def test_a_heavier_sleeve_takes_larger_steps(tmp_path):
@@ -394,8 +396,8 @@ def test_a_run_beside_tells_the_error(tmp_path, monkeypatch):
     monkeypatch.setattr(accuracy, "laws", lambda *_, **__: {"quads": {"torque": law}})
     false_run(monkeypatch)
     scene = Scene(garment=Garment(cell_size=0.018))
-    activity.run(scene, tmp_path, command.MPI.COMM_SELF)
-    entry = trade.estimate(scene, tmp_path, command.MPI.COMM_SELF)
+    activity.run(scene, tmp_path, console.MPI.COMM_SELF)
+    entry = trade.estimate(scene, tmp_path, console.MPI.COMM_SELF)
     assert entry == summary_of(tmp_path)["accuracy"]
     assert entry["estimated"] == pytest.approx(0.018**2, rel=1e-2)
     assert entry["asked"] is None and entry["promised"] is None
@@ -403,7 +405,7 @@ def test_a_run_beside_tells_the_error(tmp_path, monkeypatch):
     # where errors show no order the difference itself is told
     flat = Law(0.3, 0.0, finest=0.1, coarsest=10.0)
     monkeypatch.setattr(accuracy, "laws", lambda *_, **__: {"quads": {"torque": flat}})
-    entry = trade.estimate(scene, tmp_path, command.MPI.COMM_SELF)
+    entry = trade.estimate(scene, tmp_path, console.MPI.COMM_SELF)
     assert entry["estimated"] == pytest.approx(3 * 0.018**2, rel=1e-2)
 
 
@@ -419,7 +421,7 @@ def test_cells_of_a_file_cannot_be_chosen(given, tmp_path, capsys):
     """One sentence, before any computation."""
     (tmp_path / "scene.toml").write_text('[garment]\nfile = "skirt.obj"')
     with pytest.raises(SystemExit) as stop:
-        command.run(main, [*given, str(tmp_path / "scene.toml")])
+        console.run(main, [*given, str(tmp_path / "scene.toml")])
     said = capsys.readouterr()
     assert stop.value.code == 2 and said.out == ""
     assert "needs cells of other sizes, and garment.file" in said.err
@@ -428,7 +430,7 @@ def test_cells_of_a_file_cannot_be_chosen(given, tmp_path, capsys):
 def test_the_two_cheapest_are_compared(tmp_path, monkeypatch):
     """`shellform trade --measure`: minutes and differences of what was run."""
     false_run(monkeypatch)
-    said = trade.trade(Scene(steps=Steps(accuracy="draft")), command.MPI.COMM_SELF, tmp_path)
+    said = trade.trade(Scene(steps=Steps(accuracy="draft")), console.MPI.COMM_SELF, tmp_path)
     finer, coarser = (line.split() for line in said[-1:-3:-1])
     sizes = sorted((float(path.name.split("_")[1]) for path in tmp_path.iterdir()), reverse=True)
     assert [float(coarser[0]), float(finer[0])] == pytest.approx(sizes, abs=0.06)

@@ -19,10 +19,13 @@ from shellform.dressing.dress import Dressing, drop_below, elongation
 from shellform.dressing.saved_state import save, wear
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.recording import SIDES
+from shellform.motion.stance import stance
 from shellform.results.ledger import Ledger
 from shellform.scene import wearer as build
-from shellform.scene.scene import Garment, Motion, Scene
-from shellform.simulation.run import Activity
+from shellform.scene.garment import garment_of
+from shellform.scene.parts import Garment, Motion
+from shellform.scene.scene import Scene
+from shellform.simulation.model import Activity
 from tests.scene.test_wearer_and_garment import turned
 
 COMM = MPI.COMM_WORLD
@@ -112,7 +115,7 @@ def standing():
     """Wearer and garment before; no finite elements."""
     scene = Scene(motion=SHORT)
     wearer = build.wearer_of(scene)
-    return wearer, build.garment_of(scene, wearer)
+    return wearer, garment_of(scene, wearer)
 
 
 fabrics = pytest.mark.parametrize(
@@ -259,9 +262,9 @@ def test_worn_again_in_another_motion(monkeypatch):
     assert report["settled"] and report["depth"] <= 1e-4 and report["seconds"] <= 1.0
     assert report["belt_tension"] == pytest.approx(state.report["belt_tension"], rel=0.02)
     assert activity.stepper.time == activity.wearer.start
-    _, middle, heading = build.stance(activity.wearer)
+    _, middle, heading = stance(activity.wearer)
     turn = np.array([[heading[0], -heading[1], 0], [heading[1], heading[0], 0], [0, 0, 1.0]])
-    _, before, _ = build.stance(standing()[0])
+    _, before, _ = stance(standing()[0])
     now = (activity.shell.positions() - middle) @ turn + before
     away = np.linalg.norm(now - state.positions, axis=1)
     print(f"worn again: mean {1e3 * away.mean():.3f} mm, largest {1e3 * away.max():.3f} mm off")

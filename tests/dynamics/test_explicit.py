@@ -15,7 +15,7 @@ import meshes
 from shellform import Fabric, Shell
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.explicit_kernels import drift
-from shellform.dynamics.time_stepper import Unstable
+from shellform.errors import Unstable
 from shellform.fem.internal_force import InternalForce, by_segments
 from shellform.fem.lumped_mass import lumped, nodal_areas
 

@@ -11,7 +11,7 @@ import pytest
 
 from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.dynamics.implicit_midpoint import ImplicitMidpoint
-from shellform.statics.load_stepping import NotConverged
+from shellform.errors import NotConverged
 from tests.dynamics.test_explicit import sheet, strip, tip, totals, tumble
 
 G = 9.81

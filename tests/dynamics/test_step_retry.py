@@ -12,8 +12,8 @@ from shellform import Fabric, Shell
 from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.step_retry import changing
-from shellform.dynamics.time_stepper import Unstable
+from shellform.dynamics.state import changing
+from shellform.errors import Unstable
 from shellform.results.ledger import Ledger
 from tests.test_parallel import launch, needs_mpirun
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from contact.body.segments import pose_from_markers
+from contact.body.segment_frame import pose_from_markers
 from shellform.motion.anthropometry import ellipsoids, girth, section, wearer_girths
 from shellform.motion.gait.leg import standing
 from shellform.motion.recording import SIDES

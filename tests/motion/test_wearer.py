@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from contact.body.segments import pose_from_markers
+from contact.body.segment_frame import pose_from_markers
 from shellform.motion.capture.standing_start import lead_in
 from shellform.motion.recording import JOINTS, Recording
 from shellform.motion.wearer import Wearer

@@ -10,10 +10,11 @@ import pytest
 
 from shellform import Fabric, Ply
 from shellform.__main__ import TEMPLATE
+from shellform.material.card import CARDS, fabric_of
 from shellform.material.sheet import MATRICES
-from shellform.scene import scene_file
-from shellform.scene.scene import PARTS, Contact, Garment, Motion, Output, Person, Scene, Steps
-from shellform.scene.scene_file import fabric_of, key_of, read_scene, scene_from, write_scene
+from shellform.scene.parts import PARTS, Contact, Garment, Motion, Output, Person, Steps
+from shellform.scene.scene import Scene
+from shellform.scene.scene_file import key_of, read_scene, scene_from, write_scene
 
 # every field away from its default, as `test_every_field_is_covered` makes sure
 OTHER = Scene(
@@ -67,7 +68,7 @@ def test_written_and_read_again(scene, tmp_path):
     for where, value in values(scene).items():
         if where == ("", "fabric"):
             assert again[where].name == value
-            card = Fabric.load(scene_file.CARDS / f"{value}.toml")
+            card = Fabric.load(CARDS / f"{value}.toml")
             assert np.array_equal(again[where].membrane, card.membrane)
         else:
             assert again[where] == value, where
@@ -92,7 +93,7 @@ def test_paths_hold_from_anywhere(tmp_path, monkeypatch):
     here, away = tmp_path / "here", tmp_path / "away"
     here.mkdir()
     away.mkdir()
-    card = (scene_file.CARDS / "stiff.toml").read_text().replace('"stiff"', '"mine"')
+    card = (CARDS / "stiff.toml").read_text().replace('"stiff"', '"mine"')
     (here / "mine.toml").write_text(card)
     (here / "map.toml").write_text("")
     (here / "scene.toml").write_text(

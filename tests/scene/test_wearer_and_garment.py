@@ -16,9 +16,12 @@ from shellform.motion import anthropometry
 from shellform.motion.capture import segment_map
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.recording import Recording
+from shellform.motion.stance import stance
 from shellform.scene import wearer as build
+from shellform.scene.garment import garment_of, girth_at, waist_height
+from shellform.scene.parts import Garment, Motion, Output, Person
 from shellform.scene.reach import reach_of
-from shellform.scene.scene import Garment, Motion, Output, Person, Scene
+from shellform.scene.scene import Scene
 from tests.motion.capture.test_read_motion import BMC, walker, write_csv, write_trc
 
 COARSE = Garment(cell_size=0.04)
@@ -34,13 +37,13 @@ def turned(recording, angle, shift):
 def test_garment_goes_where_the_wearer_stands(monkeypatch):
     """Somewhere else and turned, the garment is turned and moved with the wearer."""
     scene, angle, shift = Scene(garment=COARSE), 2.3, (4.0, -3.0)
-    plain = build.garment_of(scene, build.wearer_of(scene))
+    plain = garment_of(scene, build.wearer_of(scene))
     monkeypatch.setattr(
         build, "synthetic_walk", lambda **kinds: turned(synthetic_walk(**kinds), angle, shift)
     )
     wearer = build.wearer_of(scene)
-    surface, turn = build.garment_of(scene, wearer), rotation_matrix([0.0, 0.0, angle])
-    assert build.stance(wearer)[2] == pytest.approx(turn[:, 0], abs=1e-12)
+    surface, turn = garment_of(scene, wearer), rotation_matrix([0.0, 0.0, angle])
+    assert stance(wearer)[2] == pytest.approx(turn[:, 0], abs=1e-12)
     for name in ("points", "directors"):
         exact = getattr(plain, name) @ turn.T + ([*shift, 0.0] if name == "points" else 0.0)
         assert np.abs(getattr(surface, name) - exact).max() < 1e-9
@@ -57,12 +60,12 @@ def test_waist_is_where_a_belt_stays():
             pose.centres[trunk], pose.axes[trunk], wearer.radii[trunk], level
         )
 
-    height = build.waist_height(wearer)
+    height = waist_height(wearer)
     low, here, high = (girth(height + step) for step in (-0.01, 0.0, 0.01))
     assert here < min(low, high) - 1e-3
     levels = np.arange(height - 0.05, height + 0.05, 1e-3)
     assert abs(levels[np.argmin([girth(level) for level in levels])] - height) <= 2e-3
-    surface = build.garment_of(Scene(garment=COARSE), wearer)
+    surface = garment_of(Scene(garment=COARSE), wearer)
     assert surface.points[surface.edges["waist"], 2].min() == pytest.approx(height, abs=1e-9)
 
 
@@ -76,14 +79,14 @@ def test_girth_of_a_garment(triangles):
     middle, cells = surface.points[:, 2].mean() + 1e-3, np.ones(len(surface.cells), bool)
     exact = 24 * 2 * 0.2 * np.sin(np.pi / 24)
     # the diagonals of triangles lie inside the polygon's sides
-    assert build.girth_at(surface, middle, cells) == pytest.approx(exact, rel=1e-9)
-    assert build.girth_at(surface, middle + 1.0, cells) == 0.0
+    assert girth_at(surface, middle, cells) == pytest.approx(exact, rel=1e-9)
+    assert girth_at(surface, middle + 1.0, cells) == 0.0
 
 
 def test_legs_reach_their_own_side():
     scene = Scene(garment=COARSE)
     wearer = build.wearer_of(scene)
-    surface = build.garment_of(scene, wearer)
+    surface = garment_of(scene, wearer)
     allowed = reach_of(surface, wearer)
     for side, other in (("right", "left"), ("left", "right")):
         hem = allowed[surface.edges[f"{side}_hem"][:, 0]]
@@ -116,9 +119,9 @@ def test_stature_scales_wearer_and_garment():
     for stature in (1.755, 1.9):
         scene = Scene(person=Person(stature=stature), garment=COARSE)
         wearer = build.wearer_of(scene)
-        surface = build.garment_of(scene, wearer)
+        surface = garment_of(scene, wearer)
         heights = [surface.points[surface.edges[e], 2].min() for e in ("waist", "left_hem")]
-        parts.append(np.array([build.stance(wearer)[0], *heights]))
+        parts.append(np.array([stance(wearer)[0], *heights]))
     assert parts[1] / parts[0] == pytest.approx(1.9 / 1.755, rel=5e-3)
 
 
@@ -228,7 +231,7 @@ def test_wrong_scene(name, captures):
     make, words = WRONG[name]
     with pytest.raises((ValueError, OSError)) as caught:
         scene = make(captures)
-        build.garment_of(scene, build.wearer_of(scene))
+        garment_of(scene, build.wearer_of(scene))
         build.fabric(scene)
     sentence = str(caught.value)
     for word in words:
@@ -252,9 +255,9 @@ def test_mirrored_labels_are_repaired(captures):
 def test_garments_of_the_users_own_fit(captures):
     """Trousers from a file lie where those of the same measures do, with or without names."""
     wearer = build.wearer_of(Scene())
-    surface = build.garment_of(of_garment("good.vtu")(captures), wearer)
-    named = build.garment_of(of_garment("plain.obj", waist="highest")(captures), wearer)
-    sized = build.garment_of(Scene(garment=Garment(size="large-regular", cell_size=0.04)), wearer)
+    surface = garment_of(of_garment("good.vtu")(captures), wearer)
+    named = garment_of(of_garment("plain.obj", waist="highest")(captures), wearer)
+    sized = garment_of(Scene(garment=Garment(size="large-regular", cell_size=0.04)), wearer)
     for one in (surface, named):
         assert np.abs(one.points - sized.points).max() < 1e-7
         assert {"waist", "left_hem", "right_hem"} <= set(one.edges)
@@ -331,7 +334,7 @@ def test_checked_scene(tmp_path, capsys):
     main(["new", str(path)])
     main(["check", str(path)])
     said = capsys.readouterr().out
-    surface = build.garment_of(Scene(), build.wearer_of(Scene()))
+    surface = garment_of(Scene(), build.wearer_of(Scene()))
     for words in (
         "trousers over an obstacle",
         f"{len(surface.cells)} cells",

@@ -19,18 +19,20 @@ from contact.solver import velocity_correction as correction
 from contact.solver.velocity_correction import Correction
 from shellform import Fabric, Shell, Statics
 from shellform.contact_coupling.explicit_contact import Touch
-from shellform.dynamics import explicit_kernels as explicit
+from shellform.dynamics import explicit_kernels
 from shellform.dynamics import time_stepper as stepper
 from shellform.dynamics.explicit import Newmark
 from shellform.fem import lumped_mass as inertia
 from shellform.fem.element import energy_terms
 from shellform.fem.internal_force import by_segments
 from shellform.results.report import Report
+from shellform.scene.garment import garment_of
+from shellform.scene.parts import Contact, Garment, Motion, Output, Steps
 from shellform.scene.reach import SLIPPED, STRETCHED, along_cloth, reachable
-from shellform.scene.scene import Contact, Garment, Motion, Output, Scene, Steps
-from shellform.scene.wearer import cut, dressed_wearer, ellipsoids_of, garment_of, wearer_of
+from shellform.scene.scene import Scene
+from shellform.scene.wearer import cut, dressed_wearer, ellipsoids_of, wearer_of
+from shellform.simulation.model import Activity
 from shellform.simulation.plan import plan_of, plan_of_run, told
-from shellform.simulation.run import Activity
 from shellform.simulation.summary import describe
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -194,8 +196,8 @@ def test_coupling_only_where_stretching_bends(comm):
 
 def test_no_array_nor_kernel_of_damping_without_it(monkeypatch, comm):
     """Without damping no field ahead of the nodes, no rates; with it one call a force."""
-    calls, ahead = [], explicit.ahead
-    monkeypatch.setattr(explicit, "ahead", lambda *a: calls.append(1) or ahead(*a))
+    calls, ahead = [], explicit_kernels.ahead
+    monkeypatch.setattr(explicit_kernels, "ahead", lambda *a: calls.append(1) or ahead(*a))
     shell = sheet(comm=comm)
     plain = Newmark(shell)
     plain.advance(20 * plain.dt)

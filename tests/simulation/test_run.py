@@ -27,10 +27,13 @@ from shellform.fem.director import rotation_matrix
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.results.joint_torque import COLUMNS, rows_until
 from shellform.scene import wearer as build
-from shellform.scene.scene import Motion, Output, Scene, Steps
+from shellform.scene.garment import garment_of
+from shellform.scene.parts import Motion, Output, Steps
+from shellform.scene.scene import Scene
 from shellform.scene.scene_file import write_scene
 from shellform.simulation import run as activity
 from shellform.simulation import summary as account
+from shellform.simulation.figures import draw
 from tests.dressing.test_dress import dressed
 from tests.scene.test_wearer_and_garment import turned
 from tests.test_parallel import launch, needs_mpirun
@@ -94,7 +97,7 @@ def test_forces_balance(walked):
     print(f"forces balance to {100 * off:.3f} % of the weight; accelerations to {moved:.2f} g")
     assert off < 0.005 < 0.1 < moved
     assert results["force_balance_error"] < 1e-6
-    surface = build.garment_of(WALK, build.wearer_of(WALK))
+    surface = garment_of(WALK, build.wearer_of(WALK))
     corners = surface.points[surface.cells]
     one, other = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     area = 0.25 * np.linalg.norm(np.cross(one, other), axis=2).sum()
@@ -177,7 +180,7 @@ def test_pictures_when_asked(walked):
     """Of the files of a run alone; the run itself has drawn nothing."""
     out, _, _ = walked
     assert not list(out.glob("*.png")) + list(out.glob("*.gif"))
-    account.draw(out)
+    draw(out)
     for name in ("walk.png", "torque.png"):
         assert (out / name).read_bytes()[:4] == b"\x89PNG"
     assert (out / "walk.gif").read_bytes()[:3] == b"GIF"
@@ -303,11 +306,12 @@ def test_killed_run_goes_on(walked, killed, tmp_path):
     out = copied(killed, tmp_path)
     code = (
         "import sys\n"
-        "from shellform import command\n"
+        "from shellform import console\n"
         "from shellform.__main__ import main\n"
-        "command.run(main, ['resume', sys.argv[1], '--no-pictures'])\n"
+        "console.run(main, ['resume', sys.argv[1], '--no-pictures'])\n"
         "unasked = ['matplotlib', 'PIL', 'ezc3d', 'gmsh', 'shellform.pictures.walk']\n"
-        "unasked += ['shellform.dynamics.mass_spring', 'shellform.dynamics.implicit', 'shellform.motion.capture.read_motion']\n"
+        "unasked += ['shellform.dynamics.mass_spring', 'shellform.dynamics.implicit']\n"
+        "unasked += ['shellform.motion.capture.read_motion']\n"
         "print('unasked:', [name for name in unasked if name in sys.modules])\n"
     )
     words = [sys.executable, "-c", code, str(out)]

@@ -10,10 +10,10 @@ runs each scene with settings of rising cost until the budget [s of the wall clo
 leaves trade.csv (all runs), trade.png (errors over cost with the best-choice front: no other
 setting is both cheaper and better) and summary.json in the folder, and prints the cheapest setting
 for errors of 10, 3, 1 and 0.3 %. `--write` puts what was found where `--accuracy` reads it, the
-table shellform/accuracy/measured.csv. Cases that were not run keep their rows there, and so do those of which
-less was run than the table has, as the budget was short or a run failed. `--held-out` runs scenes
-that were not used for the fit and compares the errors predicted with those reached; `--table` runs
-nothing and prints the tables of README from shellform/accuracy/measured.csv.
+table shellform/accuracy/measured.csv. Cases that were not run keep their rows there, and so do
+those of which less was run than the table has, as the budget was short or a run failed.
+`--held-out` runs scenes that were not used for the fit and compares the errors predicted with those
+reached; `--table` runs nothing and prints the tables from shellform/accuracy/measured.csv.
 
 Costs are seconds of all ranks' processors in the solver alone, compiled before, of walks in all of
 the run, and the median of repeats where a run is short; memory is the most resident during the run,
@@ -37,11 +37,12 @@ from demos.studies.accuracy.held_out import HEAD, SCENES, WITHIN, line, measure
 from demos.studies.accuracy.ladder import ladder
 from demos.studies.accuracy.rows import rows_of
 from demos.studies.accuracy.walk_case import walk_case
-from shellform.accuracy import measured as trade_table
+from shellform.accuracy import measured
 from shellform.accuracy.choice import LEADING, WORDS, choose
 from shellform.accuracy.error_law import cheapest, front
 from shellform.console import parse, positive, run, say
-from shellform.results.report import Report, write_atomically
+from shellform.results.files import write_atomically
+from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 ERRORS = (0.1, 0.03, 0.01, 0.003)
@@ -85,13 +86,13 @@ def _short(value):
 
 def keep(rows, names):
     """Write the table that `--accuracy` reads; cases that are not named keep what they had."""
-    path, before = trade_table.TABLE, []
+    path, before = measured.TABLE, []
     if path.is_file():
-        before = [row for row in trade_table.read(path) if row["case"] not in names]
-    speed = trade_table.machine()
+        before = [row for row in measured.read(path) if row["case"] not in names]
+    speed = measured.machine()
     machine = [{"case": name, "kind": "machine", "core_seconds": speed} for name in names]
-    write_atomically(path, table_text([*before, *machine, *rows], trade_table.COLUMNS))
-    for cached in (trade_table.read, trade_table.laws, trade_table.cost):
+    write_atomically(path, table_text([*before, *machine, *rows], measured.COLUMNS))
+    for cached in (measured.read, measured.laws, measured.cost):
         cached.cache_clear()
 
 
@@ -221,8 +222,8 @@ def main(given=None):
 
 def write(rows, names, whole):
     """Keep the cases of which all was run, or at least as much as the table has of them."""
-    path = trade_table.TABLE
-    before = trade_table.read(path) if path.is_file() else []
+    path = measured.TABLE
+    before = measured.read(path) if path.is_file() else []
 
     def count(table, name):
         return sum(row["case"] == name and row["kind"] != "machine" for row in table)
@@ -230,7 +231,7 @@ def write(rows, names, whole):
     kept = [n for n in names if n in whole or count(rows, n) >= max(1, count(before, n))]
     if kept:
         keep([row for row in rows if row["case"] in kept], kept)
-    print(f"wrote {trade_table.TABLE}: {', '.join(kept) or 'nothing'}")
+    print(f"wrote {measured.TABLE}: {', '.join(kept) or 'nothing'}")
     if len(kept) < len(names):
         others = ", ".join(name for name in names if name not in kept)
         print(f"{others}: not all settings were run, the rows of before stay; give more --budget")

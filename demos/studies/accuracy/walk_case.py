@@ -18,7 +18,8 @@ import numpy as np
 from demos.studies.accuracy.cases import MESH, Case
 from shellform.accuracy.choice import garment_length
 from shellform.results.joint_torque import rows_until
-from shellform.scene.scene import Garment, Motion, Output, Scene, Steps
+from shellform.scene.parts import Garment, Motion, Output, Steps
+from shellform.scene.scene import Scene
 from shellform.scene.wearer import fabric
 from shellform.simulation import run as activity
 from shellform.simulation.error_study import curves

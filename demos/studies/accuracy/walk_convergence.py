@@ -17,10 +17,12 @@ from mpi4py import MPI
 
 import numpy as np
 
-from shellform import console as command
+from shellform import console
+from shellform.results.files import write_atomically
 from shellform.results.joint_torque import rows_until
-from shellform.results.report import Report, write_atomically
-from shellform.scene.scene import Garment, Motion, Output, Scene, Steps
+from shellform.results.report import Report
+from shellform.scene.parts import Garment, Motion, Output, Steps
+from shellform.scene.scene import Scene
 from shellform.simulation import run as activity
 from shellform.simulation.summary import summary_of
 
@@ -31,7 +33,7 @@ def arguments(given):
     parser = argparse.ArgumentParser(
         allow_abbrev=False, description="Convergence of the knee torque of a walk."
     )
-    positive = command.positive
+    positive = console.positive
     sizes, factors = [0.04, 0.028, 0.02], [0.9, 0.45, 0.225]
     parser.add_argument("--motion", default="synthetic", help="'synthetic' or C3D, TRC, CSV file")
     parser.add_argument("--fabric", default="compliant")
@@ -42,7 +44,7 @@ def arguments(given):
     parser.add_argument("--obstacle", type=float, default=0.5, help="height, m; 0 for none")
     parser.add_argument("--window", type=positive(float), default=0.02, help="of averages, s")
     parser.add_argument("--out", type=Path, default=Path("out/walk_convergence"))
-    return command.parse(parser, given)
+    return console.parse(parser, given)
 
 
 def main(given=None):
@@ -134,4 +136,4 @@ def draw(options, curves, levels, finer):
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

@@ -15,7 +15,7 @@ from shellform.pictures.surfaces import (
     new_figure,
     save_figure,
 )
-from shellform.results.report import write_atomically
+from shellform.results.files import write_atomically
 
 FIRST = MPI.COMM_WORLD.rank == 0
 UNITS = {

@@ -33,7 +33,7 @@ from demos.studies.drape.figures import (
     write_table,
 )
 from demos.studies.drape.membranes import membrane
-from shellform import console as command
+from shellform import console
 from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
@@ -53,7 +53,7 @@ OTHERS = [
 
 def arguments(given):
     parser = argparse.ArgumentParser(allow_abbrev=False, description="Studies of a drape.")
-    positive = command.positive
+    positive = console.positive
     studies = parser.add_subparsers(dest="study", required=True)
     for name, function, cells in STUDIES:
         sub = studies.add_parser(name, allow_abbrev=False, help=function.__doc__)
@@ -74,7 +74,7 @@ def arguments(given):
         if name == "membrane":
             sub.add_argument("--part", choices=("folds", "drape", "push"), default="folds")
             sub.add_argument("--reference", type=positive(int), help="cells of the reference")
-    options = command.parse(parser, given)
+    options = console.parse(parser, given)
     options.out = Path(options.out or Path("out/drape_study") / options.study)
     options.cells = options.cells or ([4, 6, 8] if options.quick else options.default_cells)
     if options.quick:
@@ -88,7 +88,7 @@ def refinement(options, report):
     """Meshes, each from several starts, then time steps."""
     rows, steps = [], []
     cloth = {"bending": options.bending, "damping": options.damping}
-    for n in command.progress(options.cells, len(options.cells), "meshes"):
+    for n in console.progress(options.cells, len(options.cells), "meshes"):
         few = options.starts if n <= 32 else 1
         runs = [draped_square.row(options, cells=n, start=k, **cloth) for k in range(few)]
         row = {"cells": n, "starts": few} | {k: np.mean([r[k] for r in runs]) for k in LEADING}
@@ -146,7 +146,7 @@ def starts(options, report):
     """States found from pushes of 2 % of the speed at which the sheet meets the sphere."""
     rows, groups = [], []
     for pinned in (True, False):
-        for n in command.progress(options.cells, len(options.cells), "meshes"):
+        for n in console.progress(options.cells, len(options.cells), "meshes"):
             for k in range(1, options.starts + 1):
                 rows.append(draped_square.row(options, cells=n, pinned=pinned, start=k))
         mine = [row for row in rows if row["pinned"] == pinned]
@@ -179,7 +179,7 @@ def starts(options, report):
 def methods(options, report):
     """One drape by every method; implicit steps, the dearest, on the first mesh only."""
     first, rows = options.cells[0], []
-    for n in command.progress(options.cells, len(options.cells), "meshes"):
+    for n in console.progress(options.cells, len(options.cells), "meshes"):
         rows.append(draped_square.row(options, {"method": "shell, explicit"}, cells=n))
         if n == first:
             label = {"method": "shell, implicit"}
@@ -216,4 +216,4 @@ def main(given=None):
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

@@ -31,8 +31,7 @@ from demos.studies.extremes.body_cases import (
 )
 from demos.studies.extremes.table import arguments, tell
 from shellform.console import run
-from shellform.dynamics.time_stepper import Unstable
-from shellform.statics.load_stepping import NotConverged
+from shellform.errors import NotConverged, Unstable
 
 ROUNDOFF = 1e-10  # of a momentum over that of the run, in thousands of steps
 QUIET = 1e-3  # J: the patch of 2 g would move at 1 m/s

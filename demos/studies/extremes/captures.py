@@ -2,7 +2,8 @@
 """Captures at the extremes: rates, gaps, noise, jumps, turns, labels and headers.
 
 A level synthetic walk is taken down by markers on the three points of every segment, spoilt, read
-again by `shellform.motion.capture.read_motion`, and held against itself: the motion is known in every frame.
+again by `shellform.motion.capture.read_motion`, and held against itself: the motion is known in
+every frame.
 """
 
 from dataclasses import replace

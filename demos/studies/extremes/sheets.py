@@ -2,7 +2,7 @@
 """Sheets and solvers at the extremes: what converges, degrades, or is refused.
 
     python -m demos.studies.extremes.sheets           a minute or two
-    python -m demos.studies.extremes.sheets --long    with a million cells, a million steps, 20 turns
+    python -m demos.studies.extremes.sheets --long    a million cells, a million steps, 20 turns
     python -m demos.studies.extremes.sheets --every   each value tried on its own line
 
 prints a table in Markdown, one line a direction, and leaves every row (direction, value, verdict,
@@ -29,9 +29,8 @@ from demos.studies.extremes.sheet_cases import (
 from demos.studies.extremes.table import arguments, tell
 from shellform import Fabric
 from shellform.console import run
-from shellform.dynamics.time_stepper import Unstable
+from shellform.errors import NotConverged, Unstable
 from shellform.material.sheet import UnitWarning
-from shellform.statics.load_stepping import NotConverged
 
 REFUSALS = (ValueError, NotConverged, Unstable)
 OF_MESH = 1e-4  # of the tip of a turn of 16 cells: 0.0066 (2 pi/16)^6 = 2.4e-5

@@ -11,7 +11,7 @@ import re
 from pathlib import Path
 
 from shellform.console import parse
-from shellform.results.report import write_atomically
+from shellform.results.files import write_atomically
 
 HEAD = ("direction", "tried", "what happens", "limit", "at the last that converges")
 KINDS = ("converges", "degrades", "refused")

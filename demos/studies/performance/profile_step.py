@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""Where the time of an explicit step goes, and how far that is from what the machine can do.
 
-    python -m demos.studies.performance.profile_step                     # drapes of 1 thousand to 50 thousand nodes
-    python -m demos.studies.performance.profile_step --walk              # and a walk in trousers
+    python -m demos.studies.performance.profile_step           # drapes of 1e3 to 5e4 nodes
+    python -m demos.studies.performance.profile_step --walk    # and a walk in trousers
     mpirun -n 2 python -m demos.studies.performance.profile_step         # with what ranks exchange
 
 prints microseconds a node and step and the share of every part, as a table, and leaves
@@ -28,7 +28,7 @@ from demos.studies.drape.square import Scene as Drape
 from demos.studies.drape.square import build
 from shellform.console import parse, positive, run
 from shellform.contact_coupling.explicit_contact import Touch
-from shellform.dynamics import explicit_kernels as explicit
+from shellform.dynamics import explicit_kernels
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.time_stepper import Stepper
 from shellform.fem.internal_force import InternalForce
@@ -36,15 +36,16 @@ from shellform.fem.quad_kernel import add_force
 from shellform.results.joint_torque import Torque
 from shellform.results.report import Report
 from shellform.results.skin_pressure import Pressure
-from shellform.scene.scene import Motion, Scene
-from shellform.simulation.run import Activity
+from shellform.scene.parts import Motion
+from shellform.scene.scene import Scene
+from shellform.simulation.model import Activity
 
 COMM = MPI.COMM_WORLD
 GAP = 0.05  # between sheet and sphere there [m]
 PARTS = {  # part -> what is timed: (owner, name)
     "internal force": [(InternalForce, "__call__")],
     "contact": [(Touch, "__call__")],
-    "nodal kernels": [(explicit, name) for name in ("kick", "book", "drift", "ahead")],
+    "nodal kernels": [(explicit_kernels, name) for name in ("kick", "book", "drift", "ahead")],
     "loads, belt": [(Newmark, "_update_loads")],
     "torque, pressure": [(Torque, "__call__"), (Pressure, "__call__")],
     "exchange among ranks": [(Stepper, "scatter")],

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Seconds from the start of a demo to its first step, with everything compiled before and without.
 
-    python -m demos.studies.performance.start_up             # warm: what every later run takes
-    python -m demos.studies.performance.start_up --cold      # and with empty caches of compiled forms and kernels
+    python -m demos.studies.performance.start_up         # warm: what every later run takes
+    python -m demos.studies.performance.start_up --cold  # and with empty caches
 
 Every demo is run as a process of its own that ends where it would make its first step; warm figures
 are the better of two after one that fills the caches. One rank.
@@ -41,7 +41,8 @@ def first(*_):
     print(f"first step after {time.perf_counter() - start}", flush=True)
     os._exit(0)
 
-waiting = [("shellform.dynamics.explicit", "Newmark", "step"), ("shellform.statics.newton", "Newton", "solve")]
+waiting = [("shellform.dynamics.explicit", "Newmark", "step"),
+           ("shellform.statics.newton", "Newton", "solve")]
 load = builtins.__import__
 
 def watched(*given, **named):

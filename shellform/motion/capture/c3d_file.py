@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .trc_file import Raw
+from .marker_table import Raw
 
 NO_PLACE = re.compile(r"(angles?|forces?|moments?|powers?|torques?|index)$", re.IGNORECASE)
 READ = "import sys, ezc3d; ezc3d.c3d(sys.argv[1])"

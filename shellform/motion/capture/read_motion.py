@@ -12,9 +12,10 @@ points of the segments -> low pass -> `shellform.motion.recording.Recording`.
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from contact.body.segments import pose_from_markers
+from contact.body.segment_frame import pose_from_markers
 from shellform.motion.recording import SIDES, Recording
 
+from .formats import read_table
 from .gait_events import facts, forward
 from .gaps_and_spikes import common_span, filled, low_pass, rigid_legs, without_spikes
 from .joint_centres import point
@@ -22,7 +23,6 @@ from .map_fitting import choose_map, labels_on_body, plan
 from .markers import Markers, to_markers
 from .noise import told
 from .segment_map import SegmentMap, segment_map
-from .trc_file import read_table
 
 LEVER = 0.010  # least distance of M from the line J1-J2 [m]
 FASTEST = 30.0  # a kicking foot moves at 20 to 25 m/s

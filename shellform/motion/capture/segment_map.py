@@ -5,8 +5,8 @@
     [points]    name = rule, or [rule, rule, ...]   the first one whose markers are there
     [segments]  name = { J1 = point, J2 = point, M = point, optional = true }
 
-The rules are those of `shellform.motion.capture.joint_centres`. `{side}` in a name or a text stands for right and left,
-`{S}` for R and L, `{other}` for the other side. Maps in `contact/maps` are known by their names.
+The rules are those of joint_centres.py. `{side}` in a name or a text stands for right and left,
+`{S}` for R and L, `{other}` for the other side. Maps in `maps/` are known by their names.
 """
 
 import difflib

@@ -13,7 +13,7 @@ first frame, as do the segment's own points.
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from contact.body.segments import pose_from_markers
+from contact.body.segment_frame import pose_from_markers
 from shellform.motion.recording import JOINTS, Recording
 
 ABOVE = {below: above for above, below, _ in JOINTS.values()}

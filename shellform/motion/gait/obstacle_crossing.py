@@ -11,8 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from shellform.motion.proportions import HIP_SPACING, LENGTHS, SIGN
+
 from .footfall import Swing, sole, track, turned
-from .leg import HIP_SPACING, LENGTHS, SIGN, leg_points
+from .leg import leg_points
 
 CLEARANCE = 0.07  # of the sole over the obstacle [m]; people keep 0.05 to 0.2
 LAST = 0.88  # instant of the last pitch knot, while the knee extends

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from shellform.motion.proportions import HIP_SPACING, SIGN
 from shellform.motion.recording import SIDES
 
 from .footfall import HEEL, TOE, Footfall, Swing
-from .leg import HIP_SPACING, SIGN
 from .obstacle_crossing import LEAD, TRAIL
 
 STEP, STEP_TIME = 0.66, 0.545  # [m], [s]

@@ -20,19 +20,11 @@ All of it is for a stature of 1.755 m; lengths scale with stature, times with it
 
 import numpy as np
 
+from shellform.motion.proportions import HIP_SPACING, LENGTHS, MARKERS, SIGN
 from shellform.motion.recording import SIDES, Recording
 
 from .footfall import ANKLE, HEEL, RIM, STATURE, TOE, spline, track
-from .leg import (
-    HIP_SPACING,
-    LENGTHS,
-    MARKERS,
-    SIGN,
-    joint_angles,
-    leg_points,
-    standing,
-    standing_of,
-)
+from .leg import joint_angles, leg_points, standing, standing_of
 from .obstacle_crossing import LEAD, TRAIL, cross, turned_out
 from .step_plan import FIRST_OFF, STEP, STEP_TIME, events_of, footfalls, level_swings, plan_steps
 

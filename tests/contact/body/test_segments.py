@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from contact.body.segments import Body, Fixed, Segment, Steady, pose_from_markers, turned
+from contact.body.segment_frame import pose_from_markers
+from contact.body.segments import Body, Fixed, Segment, Steady, turned
 
 
 def random_axes(rng):

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from contact.body.segments import pose_from_markers
+from contact.body.segment_frame import pose_from_markers
 from shellform.motion.capture.gaps_and_spikes import low_pass
 from shellform.motion.capture.joint_centres import fixed_in
 from shellform.motion.capture.read_motion import (

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from contact.body.segments import pose_from_markers
+from contact.body.segment_frame import pose_from_markers
 from shellform.motion.gait.footfall import STATURE, rolled, sole, turned
 from shellform.motion.gait.synthetic_walk import joint_angles, standing, standing_of, synthetic_walk
 from shellform.motion.recording import SEGMENTS, SIDES, Recording
