@@ -16,11 +16,11 @@ the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
 import numpy as np
-from numba import njit
 
 from contact.clearance import CLEAR, LEAST, STEPS, left_of, look, surface_motion
 from contact.friction import coefficients
 from contact.jump import require_no_jump
+from contact.kernel import kernel
 from contact.pinch import mates_of
 from contact.planes import PLANE
 from contact.point import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, Ledger, meet_body
@@ -29,7 +29,7 @@ from contact.travel import SETS, TRAVEL, bits_of, in_reach, set_travel
 EVERY = 2**63 - 1  # all segments
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _correct(
     x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
     planes, room, clear, path, segment, sunk, impulse, book, window, window_book, counts,
