@@ -91,7 +91,7 @@ def _content(function, calls):
     free = [(n, function.__globals__[n]) for n in names if n in function.__globals__]
     given = [*cells, function.__defaults__, function.__kwdefaults__]
     return (
-        function.__module__, function.__qualname__, options, code,
+        options, code,
         [(name, _value(value, names, calls)) for name, value in free],
         [_value(value, names, calls) for value in given],
     )  # fmt: skip
@@ -144,7 +144,7 @@ def _value(value, names, calls):
         return _module(value, names, calls)
     if is_jitted(value) or (isinstance(value, FunctionType) and not _of_library(value)):
         calls.append(value)  # a plain function may be known to numba by an overload
-        return "calls", value.__module__, value.__qualname__
+        return "calls", len(calls)
     if isinstance(value, type):
         if issubclass(value, enum.Enum):
             return value.__qualname__, [_value(member, (), calls) for member in value]
@@ -185,8 +185,9 @@ class ContentCache:
 
     def __init__(self, dispatcher):
         self._dispatcher = dispatcher
-        function = dispatcher.py_func
-        self._name = re.sub(r"[^\w.]", "", f"{function.__module__}.{function.__qualname__}")
+        self._qualname = dispatcher.py_func.__qualname__
+        name = f"{dispatcher.py_func.__module__}.{self._qualname}"
+        self._name = re.sub(r"[^\w.]", "", name)
 
     @cached_property
     def _numba(self):
@@ -219,6 +220,11 @@ class ContentCache:
         if place is None:
             return None
         path, key = place
+        function = self._dispatcher.py_func
+        if function.__closure__:
+            # Numba names machine code by this and links by name: closures of one function over
+            # other values, loaded from files of different processes, would be taken for another.
+            function.__qualname__ = f"{self._qualname}_{key[0][:16]}"
         try:
             found, code = pickle.loads(path.read_bytes())
         except (OSError, EOFError, pickle.UnpicklingError):  # none, or cut short by a power cut

@@ -68,11 +68,12 @@ def work(tmp_path):
     return change, tmp_path
 
 
-def start(tmp_path, program=RUN, **environment):
+def start(tmp_path, program=RUN, arguments=(), **environment):
     given = os.environ | {
         "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}", "PYTHONDONTWRITEBYTECODE": "1"
     } | environment  # fmt: skip
-    return subprocess.Popen([sys.executable, "-c", program], env=given, stdout=subprocess.PIPE)
+    command = [sys.executable, "-c", program, *arguments]
+    return subprocess.Popen(command, env=given, stdout=subprocess.PIPE)
 
 
 def result(process):
@@ -105,6 +106,45 @@ def test_what_changes_is_compiled_anew_and_nothing_else(work):
     change("inner.py", "@kernel\ndef later", "@kernel(fastmath=True)\ndef later")
     assert result(start(place)) == (11.0, MISS)
     assert result(start(place, NUMBA_BOUNDSCHECK="1")) == (11.0, MISS)
+
+
+TWO_LAWS = """
+import sys
+from contact.kernel import kernel
+from work.law import law
+first, second = law(2.0), law(4.0)
+
+@kernel
+def both(x):
+    return 100.0 * first(x) + second(x)
+
+results = {"first": first, "second": second}.get(sys.argv[1], both)(1.0)
+print([results, results, sum(f.stats.cache_hits[f.signatures[0]] for f in (first, second)
+                             if f.signatures), 0])
+"""
+LAW = """
+from contact.kernel import kernel
+
+def law(factor):
+    @kernel
+    def force(x):
+        total = 0.0
+        for _ in range(3):
+            total += factor * x
+        return total
+
+    return force
+"""
+
+
+@pytest.mark.serial
+def test_closures_from_files_of_two_processes_are_not_mixed_up(work):
+    """Numba's own cache gives 606 here: it links by names, which both processes number alike."""
+    _, place = work
+    (place / "work" / "law.py").write_text(LAW)
+    assert result(start(place, TWO_LAWS, arguments=["first"]))[0] == 6.0
+    assert result(start(place, TWO_LAWS, arguments=["second"]))[0] == 12.0
+    assert result(start(place, TWO_LAWS, arguments=["both"])) == (612.0, [2, 0])
 
 
 @pytest.mark.serial
