@@ -9,7 +9,8 @@ with other constants have files of their own and coexist.
 
 One file holds one kernel for one signature. It is written under another name and then moved, so
 ranks that compile at once replace it by the same thing. Old versions stay until the folder is
-emptied (`make clean`).
+emptied (`make clean`). Not kept are kernels that get kernels as arguments (a closure over one is),
+and those that use what `numba.vectorize` and `jitclass` made.
 """
 
 import enum
@@ -21,6 +22,7 @@ import sys
 import uuid
 import weakref
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -50,7 +52,8 @@ def kernel(function: Callable | None = None, **options):
     if function is None:
         return lambda function: kernel(function, **options)
     dispatcher = numba.njit(**{"error_model": "numpy"} | options)(function)
-    # `_cache` is where every numba since 0.17 keeps it; a plain function if NUMBA_DISABLE_JIT
+    # with NUMBA_DISABLE_JIT a plain function; `_cache` is numba's own name (0.56 to 0.68), and
+    # should it go, kernels are compiled in each process
     if is_jitted(dispatcher) and "_cache" in vars(dispatcher):
         dispatcher._cache = ContentCache(dispatcher)
     return dispatcher
@@ -121,7 +124,6 @@ def _value(value, names, calls):
     names : those that may be attributes of modules; calls : list that functions are added to
     """
     kind = type(value)
-    home = kind.__module__.partition(".")[0]
     if isinstance(value, enum.Enum):
         return kind.__qualname__, value.name, _value(value.value, names, calls)
     if value is None or value is ... or isinstance(value, PLAIN):
@@ -154,7 +156,7 @@ def _value(value, names, calls):
         return "class", value.__module__, value.__qualname__, getattr(value, "_fields", ())
     if isinstance(value, numba.types.Type):
         return "type", repr(value)
-    if home == "numba":
+    if _of_library(kind, "numba"):
         raise Unknown(f"{value} is compiled by other means")
     # ufuncs and built-in functions go by name; of other objects numba makes no constants
     return kind.__qualname__, getattr(value, "__module__", ""), getattr(value, "__name__", "")
@@ -244,7 +246,8 @@ class ContentCache:
             written.write_bytes(data)
             os.replace(written, path)
         except OSError:
-            written.unlink(missing_ok=True)
+            with suppress(OSError):
+                written.unlink()
 
     def flush(self):
         """Forget all versions, as `recompile` of numba wants."""
