@@ -7,6 +7,6 @@ their motion, `correction` is called between steps; `travel` holds how the ellip
 For every point `planes` says what bounds its step, `wedge` finds the nearest step allowed,
 `friction` what slip is left, and `point` puts them together and books what was done.
 
-Kernels are compiled once and kept beside the sources. Numba looks only at the file of the outermost
-kernel: after a change in another one, remove `contact/__pycache__` or touch `correction.py`.
+Kernels are compiled once and kept beside the sources, under a name that says what they compute:
+what has changed is compiled anew by itself (`kernel`).
 """

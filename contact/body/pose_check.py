@@ -9,12 +9,13 @@ stops at once differs from that by less than the velocities themselves, a jump b
 """
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 JUMP = 0.01  # more than the velocities tell [m]; smaller ones bend no cell, and pass
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def first_jump(
     centres, axes, velocities, spins, end_centres, end_axes, end_velocities, end_spins, radii, dt
 ):  # fmt: skip

@@ -8,7 +8,8 @@ the centre, spin) at any time. Axes are rows e1, e2, e3: local coordinates are a
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 from .segment_sets import bits_of
 
@@ -204,7 +205,7 @@ class Body:
         )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _first_bad(centres, axes, velocities, spins):
     """First segment whose pose is no rigid motion, or -1, and by how much (NaN: not finite)."""
     for k in range(len(centres)):
@@ -226,7 +227,7 @@ def _first_bad(centres, axes, velocities, spins):
     return -1, 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def turned(axes, angle):
     """Rows of axes (3, 3) turned by the rotation vector angle (3,) [rad] (Rodrigues)."""
     size = np.sqrt(angle[0] ** 2 + angle[1] ** 2 + angle[2] ** 2)

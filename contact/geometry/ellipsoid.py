@@ -14,12 +14,13 @@ centre the one on the last axis.
 """
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 MAX_ITERATIONS = 200  # below 20 are needed, log-bisections included
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def level(x, radii):
     """Left side of Eq. 15: negative inside, zero on the surface.
 
@@ -31,7 +32,7 @@ def level(x, radii):
     return (x[0] / radii[0]) ** 2 + (x[1] / radii[1]) ** 2 + (x[2] / radii[2]) ** 2 - 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _root(z0, z1, z2, e0, e1, e2):
     """Root w > 0 of sum_i (p_i / (w + e_i))^2 = 1, p_i = (1 + e_i) z_i, one e_i = 0, all >= 0.
 
@@ -73,7 +74,7 @@ def _root(z0, z1, z2, e0, e1, e2):
     return w
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def foot_and_normal(y0, y1, y2, r0, r1, r2):
     """Closest point of the surface; scalars in and out, as the contact loop needs no arrays.
 
@@ -127,7 +128,7 @@ def foot_and_normal(y0, y1, y2, r0, r1, r2):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def closest_point(y, radii, foot, normal):
     """Closest point of the surface of one ellipsoid to a point.
 
@@ -147,7 +148,7 @@ def closest_point(y, radii, foot, normal):
     return distance
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _closest_points(points, radii, feet, normals, distances):
     for i in range(len(points)):
         distances[i] = closest_point(points[i], radii, feet[i], normals[i])

@@ -9,8 +9,9 @@ nothing is lost, and a map stays even where points and patches do not match.
 """
 
 import numpy as np
-from numba import njit
 from scipy.special import ellipe
+
+from contact.kernel import kernel
 
 KNOTS = 129  # of the tables that turn places into parts of the area
 GAUSS = 4  # points in each direction of a piece whose area is integrated
@@ -100,7 +101,7 @@ class Patches:
         return np.einsum("ka,ka...->k...", weights, np.asarray(numbers)[which])
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def four_nearest(
     x0, x1, x2, b, radii, heights, sectors, rows, columns, first, which, weights
 ):  # fmt: skip
@@ -123,7 +124,7 @@ def four_nearest(
         weights[a] = (f if up else 1.0 - f) * (g if on else 1.0 - g)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _shares_at(places, b, radii, heights, sectors, rows, columns, first, which, weights):
     for k in range(len(places)):
         x = places[k]

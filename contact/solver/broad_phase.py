@@ -12,9 +12,9 @@ after a pose that does not follow the last one everything is looked at anew.
 """
 
 import numpy as np
-from numba import njit
 
 from contact.geometry.ellipsoid import foot_and_normal
+from contact.kernel import kernel
 
 from .segment_motion import turned_by
 
@@ -33,7 +33,7 @@ KEPT = 0.99  # of a distance, for turns of up to MOST_TURN a step: 1 - turn^2
 MOST_TURN = 0.1  # radians a step, above which nothing is left out
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def surface_motion(travel, offset):
     """Bound [m] on the way of any surface point in this step, smallest semi-axis [m] of all."""
     most, shortest, turned = 0.0, np.inf, 0.0
@@ -51,14 +51,14 @@ def surface_motion(travel, offset):
     return (most if turned <= MOST_TURN else np.inf), shortest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def left_of(x, path, motion, clear):
     """What is left [m] of the room of a point for its step, the body's motion in it taken off."""
     d0, d1, d2 = x[0] - clear.place[0], x[1] - clear.place[1], x[2] - clear.place[2]
     return clear.room - np.sqrt(d0 * d0 + d1 * d1 + d2 * d2) - (path - clear.path) - motion
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def look(x, path, margin, allowed, travel, offset, clear):
     """Measure how far a point is from the segments that it can touch; fills its record.
 

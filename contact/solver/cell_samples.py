@@ -20,7 +20,8 @@ h^2/(8 R) outside.
 """
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 from .node_contact import IMPACT
 
@@ -77,7 +78,7 @@ def particle_masses(cells, weights, share, mass, fixed):
         return 1.0 / (inverse @ weights.T).ravel()
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def collect(nodal, cells, weights, out):
     """Values (m s, k) of the samples from those of the nodes (n, k)."""
     row = 0
@@ -93,7 +94,7 @@ def collect(nodal, cells, weights, out):
             row += 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def spread(impulse, cells, weights, nodal):
     """Add the impulses (m s, 3) of the samples to those of the nodes (n, 3 or more)."""
     row = 0
@@ -105,7 +106,7 @@ def spread(impulse, cells, weights, nodal):
             row += 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def book_loss(impulse, met, after, segment, table):
     """Add what is lost beyond what a particle's own meeting was booked with to `table`.
 

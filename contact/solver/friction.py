@@ -16,10 +16,11 @@ mu_s j_n, not at exactly zero. As mu_k <= mu_s, kinetic friction never turns the
 """
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def transmitted(normal, trial, mu_s, mu_k):
     """Fraction of the trial impulse that friction can transmit: 1 in stick, below 1 in slip.
 
@@ -34,7 +35,7 @@ def transmitted(normal, trial, mu_s, mu_k):
     return mu_k * normal / trial
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def tangential_impulse(normal, trial, mu_s, mu_k, impulse):
     """Friction impulse for a trial impulse vector.
 

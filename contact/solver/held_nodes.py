@@ -9,7 +9,8 @@ at most what its cone of friction transmits (friction.py).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 from .friction import transmitted
 from .node_contact import FRICTION, IMPACT, WORK
@@ -17,8 +18,6 @@ from .node_contact import FRICTION, IMPACT, WORK
 FIXED, OPEN, SLIP, STICK = -1, 0, 1, 2
 PLANES = 3
 PASSES = 40  # over the planes of a node where several hold it
-
-compiled = njit(cache=True, error_model="numpy")
 
 
 class Set(NamedTuple):
@@ -61,12 +60,12 @@ def take(source, target):
         there[:] = here
 
 
-@compiled
+@kernel
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@compiled
+@kernel
 def shared(free, surface, normal, owner, mass, mu_s, mu_k, push):
     """Impulses (or forces) of the planes that hold a node.
 
@@ -107,7 +106,7 @@ def shared(free, surface, normal, owner, mass, mu_s, mu_k, push):
     return total, whole
 
 
-@compiled
+@kernel
 def constrain(points, nodes, axes, held, goal):
     """Axes, held directions and displacements along them (Inertial.hold) from the set."""
     for i in range(len(points)):
@@ -141,7 +140,7 @@ def constrain(points, nodes, axes, held, goal):
             _complete(axes[i], rows)
 
 
-@compiled
+@kernel
 def _complete(rows, known):
     """Fill rows (3, 3), of which `known` are orthonormal, to a right-handed basis."""
     if known == 1:
@@ -157,7 +156,7 @@ def _complete(rows, known):
             rows[2, c] = rows[0, d] * rows[1, e] - rows[0, e] * rows[1, d]
 
 
-@compiled
+@kernel
 def push(
     x, v, v_old, mean, moved, a, mass, dt, centres, velocities, spins, law, before, nodes,
     impulse, book, pushed,

@@ -12,7 +12,8 @@ All combinations of one, two, three planes are tried: there are rarely more than
 """
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 PINCHED = -1
 # a wedge so narrow that the way out is this many times the overlap holds the point instead
@@ -20,12 +21,12 @@ EJECTION = 10.0
 ACCEPTED = 1e-6  # leftover over overlap; between distinct bodies it is 1e-15 or of order one
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _overlap(step, planes, count, i, j, k):
     """Greatest overlap with any plane other than i, j, k."""
     worst = 0.0
@@ -35,7 +36,7 @@ def _overlap(step, planes, count, i, j, k):
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def nearest_step(free, planes, count, first, slack, step):
     """Nearest admissible step.
 
@@ -151,7 +152,7 @@ def nearest_step(free, planes, count, first, slack, step):
     return PINCHED
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _cross(a, b):
     return (
         a[1] * b[2] - a[2] * b[1],

@@ -10,7 +10,8 @@ loss [J].
 """
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 from .friction import transmitted
 from .nearest_step import EJECTION, PINCHED, nearest_step
@@ -22,7 +23,7 @@ WORK, FRICTION, IMPACT, BOOKED = 6, 7, 8, 9
 EVALUATED, ACTIVE, PINCHES, STICKING, COUNTS = 0, 1, 2, 3, 4
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _rub(
     free, planes, count, soft, first, pushing, slack, mu_s, mu_k, inertia, moved, step
 ):  # fmt: skip
@@ -86,7 +87,7 @@ def _rub(
     return pushing, stick
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def meet_body(
     x, v, kick, mass, dt, law, last, allowed, sunk, far, left, travel, planes, room, book, counts,
     change,

@@ -11,7 +11,8 @@ larger one a bit stands for all segments on one carrier, or for all from the 63r
 """
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 # one record per ellipsoid: its motion over the step, see `set_travel`
 TRAVEL = np.dtype(
@@ -33,7 +34,7 @@ TRAVEL = np.dtype(
 )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def set_travel(start, start_axes, end, end_axes, radii, offset, travel):
     """Fill `travel` (m,) from centres (m, 3) and axes (m, 3, 3) at t and t + dt."""
     for b in range(len(travel)):
@@ -62,7 +63,7 @@ def set_travel(start, start_axes, end, end_axes, radii, offset, travel):
         body.slack = 1e-14 * (longest + np.sqrt(place))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def in_reach(x, reach, travel, allowed):
     """Whether a step of length `reach` [m] from x can come near any ellipsoid it can touch."""
     for b in range(len(travel)):
@@ -76,7 +77,7 @@ def in_reach(x, reach, travel, allowed):
     return False
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def turned_by(matrix, q0, q1, q2):
     """Product of a matrix (3, 3) and a vector, in scalars."""
     return (

@@ -21,9 +21,8 @@ Their sum, the force on the cloth, stays; of two equal opposite pushes nothing i
 Ellipsoids on one and the same rigid segment (`mates`) make a hard crease, as one body does.
 """
 
-from numba import njit
-
 from contact.geometry.ellipsoid import foot_and_normal
+from contact.kernel import kernel
 
 from .segment_motion import turned_by
 from .supporting_planes import set_plane
@@ -33,7 +32,7 @@ RELAXATION = 5e-4
 RESOLVED = 0.1  # of 1/dt^2, the greatest stiffness over mass that steps of dt follow
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def soften(x, free, kick, dt, flesh, travel, offset, sunk, fresh, planes, start):
     """Soft parts that a point lies in: their pushes, of which `free` is changed.
 
@@ -81,7 +80,7 @@ def soften(x, free, kick, dt, flesh, travel, offset, sunk, fresh, planes, start)
     return sunk & (inside | fresh), count, deepest
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def opposed(planes, count, travel, every):
     """Set of the segments whose planes are turned against one of another segment.
 
@@ -101,7 +100,7 @@ def opposed(planes, count, travel, every):
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def from_cloth(planes, first, last, k, travel, out):
     """Push (3,) of plane k that is booked, into out: less what is flesh on flesh.
 

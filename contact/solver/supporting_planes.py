@@ -16,9 +16,9 @@ closest point.
 """
 
 import numpy as np
-from numba import njit
 
 from contact.geometry.ellipsoid import foot_and_normal
+from contact.kernel import kernel
 
 from .segment_motion import turned_by
 
@@ -41,7 +41,7 @@ PLANE = np.dtype(
 )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _entry(y0, y1, y2, p0, p1, p2, r0, r1, r2, offset):
     """Where the path y + tau p, 0 <= tau <= 1, first comes to the offset surface.
 
@@ -66,7 +66,7 @@ def _entry(y0, y1, y2, p0, p1, p2, r0, r1, r2, offset):
     return 2.0, evaluated, 0.0, 0.0, 0.0, 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def set_plane(plane, owner, body, n0, n1, n2, height, depth, u0, u1, u2):
     """Fill one record from a normal in the body's axes and the height above the start."""
     axes = body.end_axes
@@ -79,7 +79,7 @@ def set_plane(plane, owner, body, n0, n1, n2, height, depth, u0, u1, u2):
         plane.rub[k] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def find_planes(
     x, at, tau, step, travel, allowed, far, left, offset, recover, count, planes
 ):  # fmt: skip
@@ -172,7 +172,7 @@ def find_planes(
     return count, tau, evaluated
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def keep_one_exit(x, travel, offset, recover, last, count, planes):
     """For a point that starts deep inside several bodies, keep the plane of one way out.
 

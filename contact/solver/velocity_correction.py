@@ -16,10 +16,10 @@ the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
 import numpy as np
-from numba import njit
 
 from contact.body.pose_check import require_no_jump
 from contact.body.segment_sets import SETS, bits_of, mates_of
+from contact.kernel import kernel
 
 from .broad_phase import CLEAR, LEAST, STEPS, left_of, look, surface_motion
 from .contact_ledger import Ledger
@@ -31,7 +31,7 @@ from .supporting_planes import PLANE
 EVERY = 2**63 - 1  # all segments
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _correct(
     x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
     planes, room, clear, path, segment, sunk, impulse, book, window, window_book, counts,

@@ -12,10 +12,11 @@ losing stiffness, and leave contact to do its part, as a prescribed motion would
 from mpi4py import MPI
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_tension(x, tension, force):
     """Add the forces of a closed cable through points x (k, 3) [m] to force (k, 3) [N]."""
     k = len(x)

@@ -8,14 +8,14 @@ carried parallel. Both conserve momentum and angular momentum exactly.
 Kernels work in place on plain arrays of the nodes of one rank.
 """
 
-import numba
 import numpy as np
 
-compiled = numba.njit(cache=True, error_model="numpy")
+from contact.kernel import kernel
+
 NEAR = 0.01  # of an angle squared: the first term left out of the series is below 1e-20
 
 
-@compiled
+@kernel
 def kick(
     v, q, r, force, d, held, plane, mass, inertia, drag, dt, impulse, work
 ):  # fmt: skip
@@ -64,7 +64,7 @@ def kick(
     work[2] += slowed
 
 
-@compiled
+@kernel
 def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
     """Book a kick whose velocities went from v_old to v, contact included.
 
@@ -92,7 +92,7 @@ def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
                 totals[2, k] -= slowed
 
 
-@compiled
+@kernel
 def work_over(force, v_old, v, dt):
     """Work [J] of forces (n, 3) over dt while velocities go from v_old to v (n, 3)."""
     work = 0.0
@@ -102,7 +102,7 @@ def work_over(force, v_old, v, dt):
     return work
 
 
-@compiled
+@kernel
 def near_cosine(square):
     """Cosine of an angle whose square is below NEAR: the series, to roundoff."""
     return 1.0 - square / 2.0 * (
@@ -110,7 +110,7 @@ def near_cosine(square):
     )
 
 
-@compiled
+@kernel
 def near_sine(square):
     """Sine of an angle over the angle, whose square is below NEAR: the series, to roundoff."""
     return 1.0 - square / 6.0 * (
@@ -118,7 +118,7 @@ def near_sine(square):
     )
 
 
-@compiled
+@kernel
 def drift(w, v, q, dt):
     """Move nodes and directors by their velocities over dt.
 
@@ -153,7 +153,7 @@ def drift(w, v, q, dt):
     return total
 
 
-@compiled
+@kernel
 def ahead(w, v, q, time, out):
     """w + time (v, q): where the internal force is taken for stiffness-proportional damping."""
     for i in range(w.shape[0]):
@@ -162,7 +162,7 @@ def ahead(w, v, q, time, out):
             out[i, 3 + k] = w[i, 3 + k] + time * q[i, k]
 
 
-@compiled
+@kernel
 def momenta(w, points, v, q, mass, inertia, out):
     """Linear momentum, angular momentum about the origin and kinetic energy into out (7,)."""
     out[:] = 0.0

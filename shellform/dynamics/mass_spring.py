@@ -10,18 +10,17 @@ inverse masses: momentum is kept, angular momentum to the turn of the spring in 
 Directors are the surface's normals, brought up to date at output.
 """
 
-import numba
 import numpy as np
+
+from contact.kernel import kernel
 
 from .explicit import Newmark, check_settings
 from .explicit_kernels import work_over
 from .springs import Springs
 from .time_stepper import Stepper
 
-compiled = numba.njit(cache=True, error_model="numpy")
 
-
-@compiled
+@kernel
 def limit(
     x, w, v, dt, pairs, rest, count, bound, slack, sweeps, mass, fixed, shift, impulse, r, kicked
 ):  # fmt: skip

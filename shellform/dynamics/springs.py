@@ -10,16 +10,15 @@ adds to C11 is taken off the edges below it. Buckling springs (Choi and Ko, ACM 
 2002): k_b = B h/2, f = k_b kappa^2/(cos(kappa L/2) - sinc(kappa L/2)), -12 k_b/L^2 when straight.
 """
 
-import numba
 import numpy as np
 
+from contact.kernel import kernel
 from meshes.topology import directed_edges, unique_edges
 
-compiled = numba.njit(cache=True, error_model="numpy")
 EDGE, DIAGONAL, BEND = 0, 1, 2
 
 
-@compiled
+@kernel
 def buckling_force(length, rest, k_b):
     """Force [N] of a buckled pinned column of chord `length` < rest, and its energy [J]."""
     ratio = length / rest
@@ -45,7 +44,7 @@ def buckling_force(length, rest, k_b):
     return k_b * (2.0 * u / rest) ** 2 / (np.cos(u) - np.sin(u) / u), energy
 
 
-@compiled
+@kernel
 def pull(length, rest, k, k_b, turn, linear):
     """Force [N], positive in tension, of one spring; `turn` is the length where it buckles."""
     if k_b == 0.0 or linear:
@@ -57,7 +56,7 @@ def pull(length, rest, k, k_b, turn, linear):
     return buckling_force(length, rest, k_b)[0]
 
 
-@compiled
+@kernel
 def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r, viscous):
     """Internal forces into r (n, 6) [N], stiffness-proportional damping along the springs.
 
@@ -95,7 +94,7 @@ def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r, viscous)
         r[j, 2] += f * d2
 
 
-@compiled
+@kernel
 def energies(points, w, pairs, rest, k, k_b, turn, kind, out):
     """Strain energies [J] by kind into out (3,)."""
     out[:] = 0.0

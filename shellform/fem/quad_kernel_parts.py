@@ -6,12 +6,10 @@ make it twice as slow. Symbols, at a segment or a line of the cell: X = differen
 D = difference of directors, b = X . D, c = D . D.
 """
 
-import numba
+from contact.kernel import kernel
 
-compiled = numba.njit(
-    # not finite stays not finite: no assumption that NaN or infinity do not occur
-    cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp"}
-)  # fmt: skip
+# not finite stays not finite: no assumption that NaN or infinity do not occur
+compiled = kernel(fastmath={"contract", "reassoc", "nsz", "arcp"})
 
 
 @compiled

@@ -12,12 +12,12 @@ Before the first frame the wearer stands still, after the last one it has stoppe
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from contact.body.segment_frame import pose_from_markers
 from contact.body.segments import Body, Pose, semi_axes
+from contact.kernel import kernel
 
 from .recording import JOINTS
 
@@ -165,7 +165,7 @@ def _blank(m):
     return Pose(*(np.zeros(shape) for shape in ((m, 3), (m, 3, 3), (m, 3), (m, 3))))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _evaluate(t, coefficients, times, values, rates):
     """All columns of the spline and their rates at t; at rest outside the frames."""
     last = len(times) - 1
@@ -179,7 +179,7 @@ def _evaluate(t, coefficients, times, values, rates):
         rates[i] = (3.0 * a[0] * h + 2.0 * a[1]) * h + a[2] if moving else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _place(values, rates, centres, axes, velocities, spins):
     """Segments' centres, axes (rows), velocities, spins from columns centre and quaternion."""
     for s in range(len(centres)):
@@ -200,7 +200,7 @@ def _place(values, rates, centres, axes, velocities, spins):
         a[1, 2], a[2, 1] = 2.0 * (y * z + x * w) / size2, 2.0 * (y * z - x * w) / size2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _ride(
     which, offsets, at, along, speeds, turns, centres, axes, velocities, spins
 ):  # fmt: skip

@@ -16,7 +16,8 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numba import njit
+
+from contact.kernel import kernel
 
 from .files import write_atomically
 
@@ -24,7 +25,7 @@ AXES = "xyz"
 COLUMNS = ("time", "joint", "torque_x", "torque_y", "torque_z", "torque_flexion", "power")
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_torque(table, centres, counts, joints, axes, spins, total):
     """Add a step's torque impulses on the wearer about all joints.
 

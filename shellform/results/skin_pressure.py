@@ -18,15 +18,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from contact.geometry.ellipsoid import foot_and_normal
 from contact.geometry.surface_patches import Patches, four_nearest
+from contact.kernel import kernel
 
 NORMAL, RUBBED, COVERED, BOOKED = 0, 1, 2, 3
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def add_pressure(
     points, w, segment, impulse, mass, dt, centres, axes, radii, heights, sectors, rows, columns,
     first, which, weights, total,
