@@ -31,8 +31,7 @@ from meeting_bodies import (
 from contact.body import Body, Fixed, Segment, Steady
 from contact.correction import Correction
 from shellform import command
-from shellform.statics import NotConverged
-from shellform.stepper import Unstable
+from shellform.errors import NotConverged, Unstable
 
 ROUNDOFF = 1e-10  # of a momentum over that of the run, in thousands of steps
 QUIET = 1e-3  # J: the patch of 2 g would move at 1 m/s

@@ -28,9 +28,8 @@ from sheets_at_extremes import (
 from sheets_in_motion import million, rung, spun, swung, tumbled
 
 from shellform import Fabric, command
+from shellform.errors import NotConverged, Unstable
 from shellform.sheet import UnitWarning
-from shellform.statics import NotConverged
-from shellform.stepper import Unstable
 
 REFUSALS = (ValueError, NotConverged, Unstable)
 OF_MESH = 1e-4  # of the tip of a turn of 16 cells: 0.0066 (2 pi/16)^6 = 2.4e-5

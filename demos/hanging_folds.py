@@ -146,7 +146,7 @@ def pushed(membrane, cells, steps, gather=GATHER, factor=0.9, damping=0.0):
     as a part of what there was then (damping only takes); `finite` False if the steps broke down
     (then no energies)
     """
-    from shellform.stepper import Unstable
+    from shellform.errors import Unstable
 
     shell = sheet(Curtain(cells, membrane))
     goal = np.array([0.5 * gather * WIDTH, 0.0, 0.0])

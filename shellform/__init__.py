@@ -14,7 +14,7 @@ _HOMES = {
     "Fabric": "fabric",
     "FabricError": "fabric",
     "Ply": "laminate",
-    "NotConverged": "statics",
+    "NotConverged": "errors",
     "Shell": "shell",
     "Statics": "statics",
 }

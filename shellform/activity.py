@@ -15,13 +15,13 @@ from . import build, checkpoint, command, dressed_state, torque, trade
 from .account import STAGES, describe, settings, summary
 from .belt import Belt
 from .dressing import Dressing, dress, settle
+from .errors import Stopped, Unstable
 from .ledger import Ledger
 from .newmark import Newmark
 from .reach import reach_of
 from .results import Report, Series
 from .scene_file import read_scene, write_scene
 from .shell import Shell
-from .stepper import Unstable
 from .touch import Touch
 
 
@@ -105,7 +105,7 @@ def run(scene, out, comm, dressed=None, watch=None):
 
     Raises
     ------
-    command.Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
+    Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
     """
     out = Path(out)
     report = Report(out, "walk", settings(scene), comm)
@@ -200,7 +200,7 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
                 if asked or k % between == 0 or k == count:
                     keep(k)
             if asked and k < count:
-                raise command.Stopped(
+                raise Stopped(
                     f"stopped at t = {time:.3f} s of {wearer.end:.3f} s; go on with: "
                     f"shellform resume {out}"
                 )

@@ -8,6 +8,8 @@ import traceback
 
 from mpi4py import MPI
 
+from .errors import NotConverged, Stopped, Unstable
+
 
 def parse(parser, arguments=None):
     """Parse a command line; options with one dash that the parser does not know go to PETSc.
@@ -58,15 +60,8 @@ def say(lines):
         print("\n".join(lines), flush=True)
 
 
-class Stopped(RuntimeError):
-    """The run was interrupted; what it had reached is kept, the message says how to go on."""
-
-
 def run(main, arguments=None):
     """Call main(arguments); end all ranks on an error, told in one sentence where it is known."""
-    from .statics import NotConverged
-    from .stepper import Unstable
-
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     world = MPI.COMM_WORLD
     try:

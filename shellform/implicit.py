@@ -31,10 +31,10 @@ from mpi4py import MPI
 
 import numpy as np
 
+from .errors import NotConverged
 from .inertial import Inertial, along, carry
 from .newton import Newton
 from .restraint import book_drag, constrain, slowed
-from .statics import NotConverged
 from .stepper import Stepper
 
 

@@ -19,12 +19,13 @@ import numpy as np
 from dolfinx import fem
 
 from . import explicit
+from .errors import Unstable
 from .guided import conditions, follow
 from .inertia import ROTARY_SCALE
 from .internal_force import InternalForce
 from .rewind import Rewind
 from .stable_step import stable_step
-from .stepper import Stepper, Unstable, check_time
+from .stepper import Stepper, check_time
 
 WORKS = ("internal", "external", "drag", "support", "damping")
 

@@ -19,8 +19,8 @@ was written meanwhile cannot be taken back.
 
 import numpy as np
 
+from .errors import Unstable
 from .stable_step import SPARE
-from .stepper import Unstable
 
 
 def changing(stepper):

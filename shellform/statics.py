@@ -12,13 +12,10 @@ import numpy as np
 
 from . import floating
 from .equilibrium import Equilibrium
+from .errors import NotConverged
 from .newton import Newton
 
 NEAR = 100.0  # times roundoff: loads below it may be lost in it
-
-
-class NotConverged(RuntimeError):
-    """No solution at some load level after every cut-back; the last good state is kept."""
 
 
 class Statics:

@@ -10,11 +10,8 @@ from petsc4py import PETSc
 import numpy as np
 
 from . import explicit
+from .errors import Unstable
 from .inertia import lumped
-
-
-class Unstable(RuntimeError):
-    """A step produced numbers that are not finite, or energy from nothing."""
 
 
 class Stepper:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from test_newmark import sheet, strip, tip, totals, tumble
 
+from shellform.errors import NotConverged
 from shellform.implicit import ImplicitNewmark
 from shellform.midpoint import ImplicitMidpoint
-from shellform.statics import NotConverged
 
 G = 9.81
 

@@ -13,10 +13,10 @@ from dolfinx.la import create_petsc_vector
 
 import meshes
 from shellform import Fabric, Shell, explicit
+from shellform.errors import Unstable
 from shellform.inertia import lumped, nodal_areas
 from shellform.internal_force import InternalForce, by_segments
 from shellform.newmark import Newmark
-from shellform.stepper import Unstable
 
 CLOTH = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "thickness": 1e-3, "density": 200.0}
 

@@ -88,6 +88,20 @@ def loaded():
 
 
 @pytest.mark.serial
+def test_a_static_demo_compiles_no_steps(tmp_path):
+    """The whole command, its errors and its results: nothing of the explicit stepper is loaded."""
+    code = (
+        "import runpy, sys; sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], None, '__main__');"
+        "print([m for m in ('numba', 'shellform.stepper') if m in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, "demos/roll_up.py", "--cells", "2", "--turns", "0.1"]
+    command += ["--out", str(tmp_path)]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.serial
 def test_imports(loaded):
     """A stage loads what it uses, and none of what it does not; later ones show it can be seen."""
     contact = {stage: {m for m in names if m.split(".")[0] == "contact"} for stage, names in

@@ -10,10 +10,10 @@ from test_parallel import launch, needs_mpirun
 import meshes
 from contact.body import Body, Fixed, Segment
 from shellform import Fabric, Shell, checkpoint
+from shellform.errors import Unstable
 from shellform.ledger import Ledger
 from shellform.newmark import Newmark
 from shellform.rewind import changing
-from shellform.stepper import Unstable
 from shellform.touch import Touch
 
 CLOTH = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "thickness": 1e-3, "density": 200.0}
