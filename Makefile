@@ -15,7 +15,7 @@ MPIRUN := mpirun --oversubscribe --bind-to none
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup roll-up drape walk test lint clean
+.PHONY: help setup roll-up drape walk test test-plain lint clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -38,9 +38,17 @@ test: setup ## all tests on 1 rank, then on 2
 	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow" || status=1; \
 	exit $$status
 
-lint: setup ## ruff: rules and layout
+# Test results may not hang on the processor: nothing of this one but what all of 2009 have.
+test-plain: export SHELLFORM_CFLAGS := -march=x86-64-v2
+test-plain: export NUMBA_CPU_NAME := nehalem
+test-plain: export NUMBA_CPU_FEATURES :=
+test-plain: setup ## all tests on 1 rank, compiled for any x86-64 processor of version 2
+	$(PYTEST) -n 2 --dist loadfile
+
+lint: setup ## ruff: rules and layout; import-linter: which room may import which
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
+	.venv/bin/lint-imports --no-logo
 
 clean: ## remove results and caches of the tools; .venv stays
 	rm -rf out build dist .pytest_cache .ruff_cache

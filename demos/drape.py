@@ -289,6 +289,11 @@ def summarise(options, stepper, ledger, positions, deepest):
         / window
         for a in "xyz"
     ]
+    # a sheet that still moves is carried by more or less than its weight: by this and by drag
+    inertia = [
+        (late[-1][f"momentum_{a}"] - (before[f"momentum_{a}"] if before else 0.0)) / window
+        for a in "xyz"
+    ]
     shell = stepper.shell
     mass = COMM.allreduce(stepper.mass.sum())
     corner = shell.surface.points[:, :2].sum(axis=1).argmax()
@@ -296,6 +301,7 @@ def summarise(options, stepper, ledger, positions, deepest):
         "weight": mass * G,
         "contact_force": contact,
         "pin_force": pin,
+        "inertia_force": inertia,
         "window": window,
         "mean_height": mean_height(stepper),
         "free_corner": positions[corner],

@@ -14,7 +14,7 @@ _HOMES = {
     "Fabric": "material.fabric",
     "FabricError": "material.fabric",
     "Ply": "material.laminate",
-    "NotConverged": "statics.load_stepping",
+    "NotConverged": "errors",
     "Shell": "fem.shell",
     "Statics": "statics.load_stepping",
 }

@@ -8,7 +8,7 @@ import traceback
 
 from mpi4py import MPI
 
-from .errors import Stopped
+from .errors import NotConverged, Stopped, Unstable
 
 
 def parse(parser, arguments=None):
@@ -62,8 +62,6 @@ def say(lines):
 
 def run(main, arguments=None):
     """Call main(arguments); end all ranks on an error, told in one sentence where it is known."""
-    from .errors import NotConverged, Unstable
-
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     world = MPI.COMM_WORLD
     try:

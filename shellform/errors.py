@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a run can end with, apart from bad input (ValueError)."""
+"""What can go wrong in a run, by name: in a file of its own, as naming an error loads no solver."""
 
 
 class NotConverged(RuntimeError):

@@ -7,8 +7,9 @@ implicit_contact.py says how the set is used, held_nodes.py what it holds.
 import numpy as np
 
 from contact.geometry.ellipsoid import foot_and_normal
+from contact.kernel import kernel
 
-from .held_nodes import FIXED, OPEN, PASSES, PLANES, SLIP, STICK, compiled, dot, shared
+from .held_nodes import FIXED, OPEN, PASSES, PLANES, SLIP, STICK, dot, shared
 
 INSIDE = 1e-9  # m: a node is met when it ends deeper than this
 LONG = 0.1  # of the shortest semi-axis: a longer way is looked along for bodies passed through
@@ -16,7 +17,7 @@ LOOKS = 16  # places looked at on a long way
 FLIPS = 3  # changes of a node in one step after which no plane is taken from it any more
 
 
-@compiled
+@kernel
 def _foot(x, centre, axes, radii, normal):
     """Distance of x to an ellipsoid; its outward normal into `normal`."""
     q0, q1, q2 = x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]
@@ -29,7 +30,7 @@ def _foot(x, centre, axes, radii, normal):
     return distance
 
 
-@compiled
+@kernel
 def _carried(x, c0, axes0, c1, axes1, out):
     """Where the body takes its point x over the step."""
     for c in range(3):
@@ -40,7 +41,7 @@ def _carried(x, c0, axes0, c1, axes1, out):
             out[c] += y * axes1[k, c]
 
 
-@compiled
+@kernel
 def _tangent(x, c1, axes1, radii, offset, nodes, i, k):
     """Plane k of node i at the foot of x; height of x over it."""
     b = nodes.owner[i, k]
@@ -50,7 +51,7 @@ def _tangent(x, c1, axes1, radii, offset, nodes, i, k):
     return gap
 
 
-@compiled
+@kernel
 def _put_on(x, c1, axes1, radii, offset, nodes, i):
     """Move x onto the surfaces that hold node i, its planes with it."""
     for _ in range(PASSES):
@@ -66,7 +67,7 @@ def _put_on(x, c1, axes1, radii, offset, nodes, i):
             break
 
 
-@compiled
+@kernel
 def begin(x0, c0, axes0, c1, axes1, radii, law, dt, nodes):
     """Carry last step's set to the start of a step; returns the deepest start inside [m]."""
     offset, recovery, deepest = law[2], law[3], 0.0
@@ -91,7 +92,7 @@ def begin(x0, c0, axes0, c1, axes1, radii, law, dt, nodes):
     return deepest
 
 
-@compiled
+@kernel
 def _met(x0, x1, c0, axes0, c1, axes1, radii, law, nodes, i, fraction):
     """Segment that node i ends in deepest, or passes through first; -1: none.
 
@@ -123,7 +124,7 @@ def _met(x0, x1, c0, axes0, c1, axes1, radii, law, nodes, i, fraction):
     return found
 
 
-@compiled
+@kernel
 def _drop(nodes, i, k):
     """Take a plane from a node; one without planes is open."""
     for j in range(k, PLANES - 1):
@@ -136,7 +137,7 @@ def _drop(nodes, i, k):
         nodes.load[i] = 0.0
 
 
-@compiled
+@kernel
 def judge(x0, x1, force, pull, c0, axes0, c1, axes1, radii, law, nodes):
     """Change the set after a solve that ended at x1 with reactions `force` (n, 3) [N].
 

@@ -78,18 +78,28 @@ def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
     r, force, held, mass, drag, dt, impulse, work : see kick
     totals : (3, 3) [N s], rows: impulses of loads, supports and drag on the nodes; added to
     """
-    for i in range(v.shape[0]):
-        for k in range(3):
+    inner = outer = lost = guided = 0.0
+    for k in range(3):
+        # over the nodes first: added to the totals one by one, each would be rounded as they are
+        loads = supports = still = 0.0
+        for i in range(v.shape[0]):
             mean = 0.5 * (v_old[i, k] + v[i, k])
-            work[0] -= r[i, k] * dt * mean
-            work[1] += force[i, k] * dt * mean
-            work[3] += impulse[i, k] * mean
-            totals[0, k] += force[i, k] * dt
-            totals[1, k] += impulse[i, k]
+            inner -= r[i, k] * dt * mean
+            outer += force[i, k] * dt * mean
+            guided += impulse[i, k] * mean
+            loads += force[i, k] * dt
+            supports += impulse[i, k]
             if drag > 0.0 and not held[i, k]:
                 slowed = drag * mass[i] * dt * 0.5 * (v_old[i, k] + free[i, k])
-                work[2] += slowed * mean
-                totals[2, k] -= slowed
+                lost += slowed * mean
+                still -= slowed
+        totals[0, k] += loads
+        totals[1, k] += supports
+        totals[2, k] += still
+    work[0] += inner
+    work[1] += outer
+    work[2] += lost
+    work[3] += guided
 
 
 @kernel

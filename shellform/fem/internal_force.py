@@ -4,7 +4,14 @@
 The same strain energy as shell.py with the exact stress. 4-node quads in their default form go
 through quad_force.py; all else is differentiated by UFL, with everything that does not move packed
 once. A call neither allocates nor creates a Vec.
+
+C code is compiled for the processor it runs on. The environment variable SHELLFORM_CFLAGS names
+other flags in place of -march=native, as SHELLFORM_CFLAGS=-march=x86-64-v2 for machines of many
+kinds that share a cache; code compiled with other flags is kept beside.
 """
+
+import os
+import shlex
 
 import numpy as np
 
@@ -16,8 +23,19 @@ from .dolfinx_compat import compiled
 from .quad_kernel import add_force, baked
 
 # without NaN or infinity assumed away: a step that explodes must be seen to
-FAST = ["-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fassociative-math"]
+FAST = ["-fno-math-errno", "-fno-trapping-math", "-fassociative-math"]
 FAST += ["-fno-signed-zeros", "-freciprocal-math", "-ffp-contract=fast"]
+
+
+def compiler_flags(environment=os.environ):
+    """Flags of the C compiler, those of the processor among them; ValueError for what is none."""
+    given = environment.get("SHELLFORM_CFLAGS", "-march=native")
+    processor = shlex.split(given)
+    if not all(flag.startswith("-") for flag in processor):
+        raise ValueError(
+            f"SHELLFORM_CFLAGS is {given!r}: give flags of the C compiler, as -march=x86-64-v2"
+        )
+    return ["-O3", *processor, *FAST]
 
 
 class InternalForce:
@@ -47,7 +65,9 @@ class InternalForce:
         if shell.loads.pressures:
             self._pressure = fem.Constant(shell.mesh, 0.0)
             forms.append(shell.pressure_force(self._pressure))
-        self._forms = compiled([forms], cffi_extra_compile_args=FAST)[0] if forms else ()
+        self._forms = (
+            compiled([forms], cffi_extra_compile_args=compiler_flags())[0] if forms else ()
+        )
         if not forms:
             return
         width = 6 * shell.surface.cells.shape[1]

@@ -10,7 +10,6 @@ Each constructor ends in the matrices A to F and S of `shellform.material.sheet.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -209,10 +208,3 @@ class Fabric(Sheet):
     ) -> Fabric:
         """Layered sheet; plies as in `laminate.through_thickness`, bottom first."""
         return cls(**through_thickness(plies, shear_correction), name=name)
-
-    @classmethod
-    def load(cls, path: str | Path) -> Fabric:
-        """Sheet from a TOML card; the keys carry their units.  See `shellform.material.card`."""
-        from .card import read_fabric
-
-        return read_fabric(path)

@@ -6,8 +6,9 @@ from shellform.dressing.belt import Belt
 from shellform.dressing.dress import Dressing, dress, settle
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
-from shellform.scene import wearer as build
+from shellform.scene.garment import garment_of
 from shellform.scene.reach import reach_of
+from shellform.scene.wearer import dressed_wearer, fabric, wearer_of
 
 
 class Activity:
@@ -26,11 +27,10 @@ class Activity:
 
     def __init__(self, scene, comm):
         self.scene, self.comm = scene, comm
-        self.whole = build.wearer_of(scene)
-        self.surface = build.garment_of(scene, self.whole)
-        self.wearer = build.dressed_wearer(scene, self.whole, self.surface)
-        fabric = build.fabric(scene)
-        self.shell = Shell(self.surface, fabric, comm)
+        self.whole = wearer_of(scene)
+        self.surface = garment_of(scene, self.whole)
+        self.wearer = dressed_wearer(scene, self.whole, self.surface)
+        self.shell = Shell(self.surface, fabric(scene), comm)
         if scene.gravity:
             self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
         steps = scene.steps

@@ -252,6 +252,32 @@ class Equilibrium:
         points = self.shell.partition.surface.points
         return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(points))
 
+    def measured_roundoff(self):
+        """Norm of the internal forces [N] that roundoff makes here, measured; 4 assemblies.
+
+        A sheet turned as a whole has turned forces. What differs is roundoff, of these cells and
+        corners, this compiler and this processor. The turn moves a point by the largest
+        displacement, whose last digit the unknowns carry anyway, or by the shorter side of a cell.
+        The largest of three turns: equal cells can be rounded alike by luck.
+        """
+        w, here, partition = self._w(), self._w().copy(), self.shell.partition
+        largest = self.shell.comm.allreduce(np.abs(w[:, :3]).max(initial=0.0), op=MPI.MAX)
+        longer, ratio = self._sides
+        points = partition.surface.points - partition.origin
+        radius = np.linalg.norm(points, axis=1).max()
+        angle = min(1.0, max(largest, longer / ratio) / radius)
+        places = points[partition.nodes] + here[:, :3]
+        forces, differences = self._internal().copy(), []
+        for axis in ((0.6, 0.64, 0.48), (0.48, -0.6, 0.64), (0.64, 0.48, -0.6)):
+            turn = director.rotation_matrix(angle * np.array(axis))
+            w[:, :3] = here[:, :3] + places @ (turn - np.eye(3)).T
+            w[:, 3:] = here[:, 3:] @ turn.T
+            change = (self._internal().reshape(-1, 3) @ turn).reshape(-1, 6) - forces
+            change = np.where(self.held[: self.n_owned], 0.0, self._pull_back(change))
+            differences.append(np.sum(change**2))
+        w[:] = here
+        return float(np.sqrt(self.shell.comm.allreduce(np.array(differences)).max()))
+
     @functools.cached_property
     def _sides(self):
         """Means over the cells of the longer side [m] and of its ratio to area over it."""
@@ -263,11 +289,7 @@ class Equilibrium:
 
     def forces(self, stress_from=None):
         """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""
-        with self.r6.localForm() as local:
-            local.set(0.0)
-        self.shell.internal_force(self.r6, self.pressure, stress_from)
-        self.r6.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-        r6 = self.r6.array.reshape(-1, 6)
+        r6 = self._internal(stress_from)
         external = self.shell.loads.force_at(
             self.level, np.zeros((self.n_owned, 3)), self.load_factor
         )
@@ -279,6 +301,14 @@ class Equilibrium:
             factor, predicted = self.inertia
             r6 += factor * (w[: self.n_owned] - predicted)
         return r6
+
+    def _internal(self, stress_from=None):
+        """Internal nodal forces (n_owned, 6) [N, N m] less those of a pressure, in `r6`."""
+        with self.r6.localForm() as local:
+            local.set(0.0)
+        self.shell.internal_force(self.r6, self.pressure, stress_from)
+        self.r6.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+        return self.r6.array.reshape(-1, 6)
 
     def _pull_back(self, r6):
         r5 = director.pull_back(r6, self.T[: self.n_owned], self._Q_owned)

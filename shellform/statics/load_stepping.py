@@ -126,7 +126,7 @@ class Statics:
 
     def _watch_loads(self):
         """Warn once where a solve ends though nothing is solved: the loads are below roundoff."""
-        loads, roundoff = self.equilibrium.pushes()[0], self.equilibrium.roundoff()
+        loads, roundoff = self.equilibrium.pushes()[0], self.newton.roundoff
         if self._told or not 0 < loads <= roundoff:
             return
         self._told = True

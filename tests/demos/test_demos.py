@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -127,17 +128,22 @@ def test_drape(ranks, model, tmp_path):
     results = summary["results"]
     weight = results["weight"]
     assert weight == pytest.approx(0.2 * 9.81, rel=1e-12)
-    carried = results["contact_force"][2] + results["pin_force"][2]
-    assert carried == pytest.approx(weight, rel=0.02)  # it still swings a little
-    for axis in (0, 1):
-        assert abs(results["contact_force"][axis] + results["pin_force"][axis]) < 0.03 * weight
+    header, *rows = (tmp_path / "ledger.csv").read_text().splitlines()
+    assert len(rows) == 6
+    assert {len(row.split(",")) for row in rows} == {len(header.split(","))}
+    # it still swings: what moves is counted, drag takes at most its rate times the momentum, which
+    # a kinetic energy K bounds by sqrt(2 m K)
+    kinetic = max(float(row.split(",")[header.split(",").index("kinetic")]) for row in rows[-2:])
+    drag = 6 * np.sqrt(2 * weight / 9.81 * kinetic)
+    assert drag < 0.05 * weight
+    up = np.array([0.0, 0.0, weight])
+    forces = (results[name] for name in ("contact_force", "pin_force", "inertia_force"))
+    contact, pin, inertia = (np.array(force) for force in forces)
+    assert np.linalg.norm(contact + pin - inertia - up) < drag
     assert results["momentum_residual"] < 1e-10 * weight
     assert results["max_penetration"] < 1e-9
     assert summary["plan"]["contact"] == ["body"]
     assert summary["seconds"]["contact"] > 0
-    header, *rows = (tmp_path / "ledger.csv").read_text().splitlines()
-    assert len(rows) == 6
-    assert {len(row.split(",")) for row in rows} == {len(header.split(","))}
     assert (tmp_path / "drape.png").read_bytes()[:4] == b"\x89PNG"
     assert (tmp_path / "drape.gif").read_bytes()[:3] == b"GIF"
 

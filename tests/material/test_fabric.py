@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from shellform.material.card import card_keys, fabric_from_card
+from shellform.material.card import card_keys, fabric_from_card, read_fabric
 from shellform.material.fabric import Fabric, FabricError, Ply, UnitWarning, condense, lamina_matrix
 from shellform.material.laminate import bending_matrix, turn
 
@@ -377,7 +377,7 @@ def write(tmp_path, text):
 
 
 def test_card_is_the_constructor(tmp_path):
-    f = Fabric.load(write(tmp_path, CARD))
+    f = read_fabric(write(tmp_path, CARD))
     close(moments(f), moments(Fabric.from_kes(**SUITING, shear_N_per_m_per_radian=54.4)))
     assert f.name == "suiting"
 
@@ -435,4 +435,4 @@ def test_card_keys_carry_their_units():
 )
 def test_card_errors_name_file_and_key(tmp_path, old, new, sentence):
     with pytest.raises(FabricError, match=sentence):
-        Fabric.load(write(tmp_path, CARD.replace(old, new, 1)))
+        read_fabric(write(tmp_path, CARD.replace(old, new, 1)))

@@ -12,6 +12,7 @@ from dolfinx import fem
 import meshes
 from meshes import MeshError, Surface
 from shellform import Fabric, FabricError, Ply, Shell, Statics
+from shellform.material.card import read_fabric
 
 SQUARE = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)]
 TWO = [*SQUARE, (2.0, 0.0, 0.0), (2.0, 1.0, 0.0)]
@@ -160,7 +161,7 @@ def test_surface(name, compiled):
 
 def test_missing_fabric_card(compiled):
     """A card that is not there is named."""
-    refused(lambda: Fabric.load("nowhere.toml"), ("nowhere.toml",), compiled, OSError)
+    refused(lambda: read_fabric("nowhere.toml"), ("nowhere.toml",), compiled, OSError)
 
 
 def test_unreadable_mesh(compiled, shared_tmp_path, comm):

@@ -10,7 +10,7 @@ import pytest
 
 from shellform import Fabric, Ply
 from shellform.__main__ import TEMPLATE
-from shellform.material.card import CARDS, fabric_of
+from shellform.material.card import CARDS, fabric_of, read_fabric
 from shellform.material.sheet import MATRICES
 from shellform.scene.parts import PARTS, Contact, Garment, Motion, Output, Person, Steps
 from shellform.scene.scene import Scene
@@ -68,7 +68,7 @@ def test_written_and_read_again(scene, tmp_path):
     for where, value in values(scene).items():
         if where == ("", "fabric"):
             assert again[where].name == value
-            card = Fabric.load(CARDS / f"{value}.toml")
+            card = read_fabric(CARDS / f"{value}.toml")
             assert np.array_equal(again[where].membrane, card.membrane)
         else:
             assert again[where] == value, where

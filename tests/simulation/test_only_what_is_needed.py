@@ -72,9 +72,10 @@ Touch(stepper, Body([Segment("ball", (0.1, 0.1, 0.1), Fixed((0.5, 0.5, -0.2)))])
 stepper.advance(1e-3)
 stage("touching")
 
-from shellform.scene import wearer
+from shellform.scene.garment import garment_of
 from shellform.scene.scene import Scene
-wearer.garment_of(Scene(), wearer.wearer_of(Scene()))
+from shellform.scene.wearer import wearer_of
+garment_of(Scene(), wearer_of(Scene()))
 stage("walking")
 print(json.dumps(told))
 """
@@ -93,6 +94,20 @@ def loaded():
     assert run.returncode == 0, run.stderr
     modules = json.loads(run.stdout.splitlines()[-1])
     return {stage: set(names) for stage, names in modules.items()}
+
+
+@pytest.mark.serial
+def test_a_static_demo_compiles_no_steps(tmp_path):
+    """The whole command, its errors and its results: nothing of the explicit stepper is loaded."""
+    code = (
+        "import runpy, sys; sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], None, '__main__');"
+        "print([m for m in ('numba', 'shellform.dynamics.time_stepper') if m in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, "demos/roll_up.py", "--cells", "2", "--turns", "0.1"]
+    command += ["--out", str(tmp_path)]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.splitlines()[-1] == "[]"
 
 
 @pytest.mark.serial

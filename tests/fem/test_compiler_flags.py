@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The flags of the C compiler: set from outside, and never one cache entry for two of them."""
+
+import pytest
+
+import ufl
+from dolfinx import fem
+from dolfinx.jit import ffcx_jit
+
+import meshes
+from shellform import Fabric, Shell
+from shellform.fem.internal_force import InternalForce, compiler_flags
+
+PLAIN = {"SHELLFORM_CFLAGS": "-march=x86-64-v2 -mtune=generic"}
+
+
+def test_the_processor_is_replaced_and_nothing_else():
+    native, plain, none = (compiler_flags(e) for e in ({}, PLAIN, {"SHELLFORM_CFLAGS": ""}))
+    assert [flag for flag in native if flag not in none] == ["-march=native"]
+    assert [flag for flag in plain if flag not in none] == ["-march=x86-64-v2", "-mtune=generic"]
+    assert {*none} < {*native} and {*none} < {*plain}
+
+
+def test_flags_that_are_none_are_refused():
+    with pytest.raises(ValueError, match="SHELLFORM_CFLAGS is 'x86-64-v2': give flags"):
+        compiler_flags({"SHELLFORM_CFLAGS": "x86-64-v2"})
+
+
+def test_internal_forces_are_compiled_with_them(monkeypatch):
+    surface = meshes.rectangle(1.0, 1.0, (1, 1), triangles=True)
+    shell = Shell(surface, Fabric.isotropic(1e6, 0.3, 1e-3, 200.0))
+    monkeypatch.setenv("SHELLFORM_CFLAGS", "neither")
+    with pytest.raises(ValueError, match="SHELLFORM_CFLAGS"):
+        InternalForce(shell)
+
+
+def test_other_flags_have_a_cache_entry_of_their_own(comm):
+    """What is compiled for one processor is never loaded for another: flags name the module."""
+    mesh = Shell(meshes.rectangle(1.0, 1.0, (1, 1)), Fabric.isotropic(1e6, 0.3, 1e-3, 200.0)).mesh
+    names = []
+    for flags in (["-O0"], ["-O0", "-g0"], ["-O0"]):
+        parameters = {"cffi_extra_compile_args": flags, "timeout": 600}
+        _, module, _ = ffcx_jit(comm, fem.Constant(mesh, 2.0) * ufl.dx(mesh), jit_params=parameters)
+        names.append(module.__name__)
+    assert names[0] == names[2] != names[1]
