@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""README and docs are run: Python from top to bottom of a page, commands parsed or run, TOML read.
+
+A comment before a block says what is done with it, else Python is run and commands are parsed:
+
+    <!-- page: slow -->              the page's Python takes more than some seconds
+    <!-- block: runs with ARGS -->   the commands are run, with these arguments added
+    <!-- block: not ours -->         commands of other programs, not looked at
+    <!-- block: file NAME -->        the block is written to a file of the page's folder
+    <!-- block: scene NAME -->       the same, and it is read as a scene
+"""
+
+import importlib
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+MADE = ("_build", "gallery_pages", "rooms")  # folders that the build writes
+PAGES = [page for page in PAGES if not set(MADE) & set(page.parts)]
+LANGUAGES = {"python", "sh", "toml", "text", "bibtex", "{toctree}", "{eval-rst}"}
+FENCE = re.compile(
+    r"(?:<!-- block: (?P<marker>[^\n]*?) -->\n)?^```(?P<language>\S*)[^\n]*\n(?P<text>.*?)^```$",
+    re.S | re.M,
+)
+OUTSIDE = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PMI_"))}
+
+pytestmark = pytest.mark.serial
+
+
+class Block(NamedTuple):
+    """A fenced block: language, text, line of its first line in the page, marker."""
+
+    language: str
+    text: str
+    line: int
+    marker: str
+
+
+def blocks_of(page):
+    text = page.read_text(encoding="utf-8")
+    return [
+        Block(m["language"], m["text"], text.count("\n", 0, m.start("text")) + 1, m["marker"] or "")
+        for m in FENCE.finditer(text)
+    ]
+
+
+def named(page):
+    return str(page.relative_to(ROOT))
+
+
+def with_blocks(*languages):
+    """Parameters of a test: pages that have blocks of these languages."""
+    found = []
+    for page in PAGES:
+        if any(block.language in languages for block in blocks_of(page)):
+            slow = "<!-- page: slow -->" in page.read_text(encoding="utf-8")
+            marks = [pytest.mark.slow] if slow and "python" in languages else []
+            found.append(pytest.param(page, id=named(page), marks=marks))
+    return found
+
+
+def commands_of(block):
+    """Command lines of a shell block, without comments."""
+    lines = (shlex.split(line, comments=True) for line in block.text.splitlines())
+    return [line for line in lines if line]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=named)
+def test_blocks_are_of_a_known_kind(page):
+    """No block slips through: every fence is closed and its language is one that is looked at."""
+    text = page.read_text(encoding="utf-8")
+    assert len(re.findall(r"^```", text, re.M)) == 2 * len(blocks_of(page))
+    assert {block.language for block in blocks_of(page)} <= LANGUAGES
+    assert text.count("<!-- block:") == sum(bool(block.marker) for block in blocks_of(page))
+
+
+@pytest.mark.parametrize("page", with_blocks("python", "toml"))
+def test_python_and_toml(page, tmp_path, monkeypatch):
+    """A page's blocks in one namespace, in a folder of their own; lines are those of the page."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    namespace = {"__name__": "__main__"}
+    for block in blocks_of(page):
+        kind, _, name = block.marker.partition(" ")
+        if block.language == "toml":
+            tomllib.loads(block.text)
+            assert kind in ("file", "scene"), f"{named(page)}:{block.line}: say what it is"
+            Path(name).write_text(block.text)
+            if kind == "scene":
+                from shellform.scene_file import read_scene
+
+                read_scene(name)
+        elif block.language == "python":
+            if kind == "file":
+                Path(name).write_text(block.text)
+                monkeypatch.syspath_prepend(str(tmp_path))
+                continue
+            code = compile("\n" * (block.line - 1) + block.text, named(page), "exec")
+            exec(code, namespace)
+
+
+def parse_make(words):
+    done = subprocess.run(
+        ["make", "-n", *words[1:]], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def parse_python(words, monkeypatch):
+    """Refuse what the command's own parser refuses; nothing is computed."""
+    if words[1] == "-m":
+        module = importlib.import_module(f"{words[2]}.__main__" if words[2] == "shellform" else "")
+        module.parser().parse_args([w for w in words[3:] if w != "-h"])
+        return
+    script = ROOT / words[1]
+    assert script.is_file(), f"no {words[1]}"
+    done = subprocess.run(
+        [sys.executable, script, "-h"], cwd=ROOT, env=OUTSIDE, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    for word in words[2:]:
+        if word.startswith("--"):
+            assert re.search(rf"(?<!\S){word}\b", done.stdout), f"{words[1]} takes no {word}"
+
+
+def parse(words, monkeypatch):
+    if words[0] == "mpirun":
+        words = words[words.index("python") :]
+    words[0] = words[0].removeprefix(".venv/bin/")
+    if words[0] == "make":
+        parse_make(words)
+    elif words[:3] == ["python", "-m", "pytest"]:
+        for word in words[3:]:
+            if word.startswith("tests"):
+                assert (ROOT / word.partition("::")[0]).exists(), f"no {word}"
+    elif words[0] == "python":
+        parse_python(words, monkeypatch)
+    elif words[0].startswith(".ci/"):
+        assert (ROOT / words[0]).is_file()
+    else:
+        pytest.fail(f"{words[0]} is no command of ours: mark the block")
+
+
+def run(words, more, folder):
+    words = [sys.executable if w == "python" else w for w in words]
+    words = [str(ROOT / w) if w.startswith("demos/") else w for w in words]
+    done = subprocess.run(
+        [*words, *more], cwd=folder, env=OUTSIDE, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("page", with_blocks("sh"))
+def test_commands(page, tmp_path, monkeypatch):
+    for block in blocks_of(page):
+        if block.language != "sh" or block.marker == "not ours":
+            continue
+        for words in commands_of(block):
+            if block.marker.startswith("runs"):
+                more = shlex.split(block.marker.removeprefix("runs").removeprefix(" with"))
+                run(words, more, tmp_path)
+            else:
+                parse(words, monkeypatch)
+
+
+def test_files_named_in_pages_exist():
+    """Paths in backquotes that begin with a folder of ours."""
+    missing = []
+    for page in PAGES:
+        for path in re.findall(r"`((?:shellform|contact|meshes|demos|tests|docs)/[\w./*-]+)`", page.read_text()):
+            made = set(MADE) & set(Path(path).parts)
+            if not made and not list(ROOT.glob(path.rstrip("/"))):
+                missing.append(f"{named(page)}: {path}")
+    assert not missing, "\n".join(missing)
+
+
+def test_readme_is_short():
+    assert len((ROOT / "README.md").read_bytes()) <= 8192
