@@ -10,10 +10,10 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy loads its BLAS
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "demos"), str(HERE.parent)]
 
-import docstrings
-import rooms
+import docstrings  # noqa: E402
+import rooms  # noqa: E402
 
-import shellform
+import shellform  # noqa: E402
 
 project = "shellform"
 author = "the authors of shellform"
@@ -43,7 +43,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "gallery_pages",
     "filename_pattern": r"/plot_",
-    "within_subsection_order": "ExampleTitleSortKey",
+    "within_subsection_order": "FileNameSortKey",
     "plot_gallery": "True",
     "abort_on_example_error": False,
     "download_all_examples": False,

@@ -16,7 +16,9 @@ def escaped(text: str) -> str:
     """Text in which only `code` between backquotes is marked up."""
     parts = SPAN.split(text)
     return "".join(
-        f"``{part.strip(chr(96))}``" if SPAN.fullmatch(part) else re.sub(r"([\\*_|`])", r"\\\1", part)
+        f"``{part.strip(chr(96))}``"
+        if SPAN.fullmatch(part)
+        else re.sub(r"([\\*_|`])", r"\\\1", part)
         for part in parts
     )
 

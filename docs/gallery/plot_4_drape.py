@@ -20,7 +20,7 @@ import numpy as np
 
 import meshes
 import shellform as sf
-from shellform.pictures import draw_surfaces, ellipsoid_facets, smooth
+from shellform.pictures import draw_surfaces, ellipsoid_facets, facing, smooth, view_axes
 
 # %%
 # Cloth and body
@@ -67,8 +67,10 @@ left.axhline(weight, color="0.6", lw=0.8, ls="--", label="weight")
 left.set_xlabel("time [s]")
 left.set_ylabel("force up [N]")
 left.legend(frameon=False)
-skin = ellipsoid_facets(centre, np.eye(3), np.full(3, radius))
+view = (150.0, 12.0)  # degrees, from behind the pin
+skin = facing(ellipsoid_facets(centre, np.eye(3), np.full(3, radius)), view_axes(*view)[2])
 cloth = smooth(shell.positions(), shell.directors(), square.cells, 3)
-draw_surfaces(right, [(*cloth, "#7aa6c2", "#c9b79c", 0.0), (skin, None, "#d8a48f", "#d8a48f", 0.05)])
+blue, sand, red = "#7aa6c2", "#c9b79c", "#d8a48f"
+draw_surfaces(right, [(*cloth, blue, sand, 0.0), (skin, None, red, red, 0.05)], *view)
 print(f"weight {weight:.4f} N, sphere {push[-4:].mean():.4f} N, pin {pin[-4:].mean():.4f} N")
 print(f"momentum left over: {max(row['momentum_residual'] for row in ledger.rows):.1e} N s")

@@ -21,6 +21,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import shellform as sf
+from shellform import walk_pictures
+from shellform.build import wearer_of
 from shellform.scene import Garment, Motion
 from shellform.torque import rows_until
 
@@ -64,9 +66,6 @@ axes.legend(frameon=False)
 # %%
 # The last frame
 # --------------
-
-from shellform import walk_pictures
-from shellform.build import wearer_of
 
 wearer = wearer_of(scene)
 figure, shown = plt.subplots(figsize=(4, 5), layout="constrained")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The README's picture: key frames and torque out of out/walk/walk.png, which `make walk` draws.
 
-    make walk
-    .venv/bin/python docs/pictures/from_walk.py
+make walk
+.venv/bin/python docs/pictures/from_walk.py
 """
 
 from pathlib import Path

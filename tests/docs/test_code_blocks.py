@@ -10,17 +10,20 @@ A comment before a block says what is done with it, else Python is run and comma
     <!-- block: scene NAME -->       the same, and it is read as a scene
 """
 
-import importlib
 import os
 import re
 import shlex
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+
+from shellform.__main__ import parser
+from shellform.scene_file import read_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -96,8 +99,6 @@ def test_python_and_toml(page, tmp_path, monkeypatch):
             assert kind in ("file", "scene"), f"{named(page)}:{block.line}: say what it is"
             Path(name).write_text(block.text)
             if kind == "scene":
-                from shellform.scene_file import read_scene
-
                 read_scene(name)
         elif block.language == "python":
             if kind == "file":
@@ -115,39 +116,49 @@ def parse_make(words):
     assert done.returncode == 0, done.stderr
 
 
-def parse_python(words, monkeypatch):
-    """Refuse what the command's own parser refuses; nothing is computed."""
-    if words[1] == "-m":
-        module = importlib.import_module(f"{words[2]}.__main__" if words[2] == "shellform" else "")
-        module.parser().parse_args([w for w in words[3:] if w != "-h"])
-        return
-    script = ROOT / words[1]
-    assert script.is_file(), f"no {words[1]}"
+@cache
+def help_of(script):
+    """What a script says of itself; it ends before anything is computed."""
+    assert (ROOT / script).is_file(), f"no {script}"
     done = subprocess.run(
-        [sys.executable, script, "-h"], cwd=ROOT, env=OUTSIDE, capture_output=True, text=True
+        [sys.executable, script, "-h"],
+        cwd=ROOT,
+        env=OUTSIDE,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
-    for word in words[2:]:
-        if word.startswith("--"):
-            assert re.search(rf"(?<!\S){word}\b", done.stdout), f"{words[1]} takes no {word}"
+    return done.stdout
 
 
-def parse(words, monkeypatch):
+def parse_script(script, arguments):
+    """Options and the name of what is to be done must be known to the script's own parser."""
+    known = help_of(script)
+    for k, word in enumerate(arguments):
+        if word.startswith("--") or (k == 0 and not word.startswith("-")):
+            assert re.search(rf"(?<![\w-]){word}(?![\w-])", known), f"{script} takes no {word}"
+
+
+def parse(words):
+    """Refuse a command that would be refused; nothing is computed."""
     if words[0] == "mpirun":
         words = words[words.index("python") :]
-    words[0] = words[0].removeprefix(".venv/bin/")
-    if words[0] == "make":
+    program, *rest = words
+    program = program.removeprefix(".venv/bin/")
+    if program == "make":
         parse_make(words)
-    elif words[:3] == ["python", "-m", "pytest"]:
-        for word in words[3:]:
-            if word.startswith("tests"):
-                assert (ROOT / word.partition("::")[0]).exists(), f"no {word}"
-    elif words[0] == "python":
-        parse_python(words, monkeypatch)
-    elif words[0].startswith(".ci/"):
-        assert (ROOT / words[0]).is_file()
+    elif program.startswith(".ci/"):
+        assert (ROOT / program).is_file()
+    elif program == "python" and rest[:2] == ["-m", "shellform"]:
+        parser().parse_args(rest[2:])
+    elif program == "python" and rest[:2] == ["-m", "pytest"]:
+        files = [word.partition("::")[0] for word in rest[2:] if word.startswith("tests")]
+        assert files and all((ROOT / file).exists() for file in files), files
+    elif program == "python" and rest[0].endswith(".py"):
+        parse_script(rest[0], rest[1:])
     else:
-        pytest.fail(f"{words[0]} is no command of ours: mark the block")
+        pytest.fail(f"{shlex.join(words)} is no command of ours: mark the block")
 
 
 def run(words, more, folder):
@@ -160,7 +171,7 @@ def run(words, more, folder):
 
 
 @pytest.mark.parametrize("page", with_blocks("sh"))
-def test_commands(page, tmp_path, monkeypatch):
+def test_commands(page, tmp_path):
     for block in blocks_of(page):
         if block.language != "sh" or block.marker == "not ours":
             continue
@@ -169,19 +180,22 @@ def test_commands(page, tmp_path, monkeypatch):
                 more = shlex.split(block.marker.removeprefix("runs").removeprefix(" with"))
                 run(words, more, tmp_path)
             else:
-                parse(words, monkeypatch)
+                parse(words)
 
 
-def test_files_named_in_pages_exist():
-    """Paths in backquotes that begin with a folder of ours."""
-    missing = []
-    for page in PAGES:
-        for path in re.findall(r"`((?:shellform|contact|meshes|demos|tests|docs)/[\w./*-]+)`", page.read_text()):
-            made = set(MADE) & set(Path(path).parts)
-            if not made and not list(ROOT.glob(path.rstrip("/"))):
-                missing.append(f"{named(page)}: {path}")
-    assert not missing, "\n".join(missing)
+NAMED = re.compile(r"`((?:shellform|contact|meshes|demos|tests|docs)/[\w./*-]+)`")
+LINK = re.compile(r"\[[^\]]*\]\(([^)#:\s]+)(?:#[^)]*)?\)")
 
 
-def test_readme_is_short():
+@pytest.mark.parametrize("page", PAGES, ids=named)
+def test_files_that_a_page_names_exist(page):
+    """Paths in backquotes that begin with a folder of ours, and links to files."""
+    text = page.read_text(encoding="utf-8")
+    named_here = [ROOT / path.rstrip("/") for path in NAMED.findall(text)]
+    named_here += [page.parent / link for link in LINK.findall(text)]
+    named_here = [path for path in named_here if not set(MADE) & set(path.parts)]
+    assert [str(path) for path in named_here if not path.exists()] == []
+
+
+def test_readme_is_two_screens():
     assert len((ROOT / "README.md").read_bytes()) <= 8192
