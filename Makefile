@@ -34,10 +34,10 @@ walk: setup ## trousers on a walker, torque about the joints; result in out/walk
 
 # numpy is named so that pip can only keep Debian's.
 docs: setup ## pages of docs/ with the gallery, links checked; result in docs/_build/html
-	@$(PYTHON) -c "import furo, myst_parser, sphinx_gallery" 2>/dev/null || \
+	@$(PYTHON) -c "import furo, latex2mathml, myst_parser, sphinx_gallery" 2>/dev/null || \
 	$(PYTHON) -m pip install -q --disable-pip-version-check --no-build-isolation -e '.[docs]' \
 	  "numpy==$$($(PYTHON) -c 'import numpy; print(numpy.__version__)')"
-	$(PYTHON) -m sphinx -b html -W --keep-going -n -q docs docs/_build/html
+	$(PYTHON) -m sphinx -b html -E -W --keep-going -n -q docs docs/_build/html
 	@echo "wrote docs/_build/html/index.html"
 
 test: setup ## all tests on 1 rank, then on 2

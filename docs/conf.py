@@ -11,6 +11,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "demos"), str(HERE.parent)]
 
 import docstrings  # noqa: E402
+import formulas  # noqa: E402
 import rooms  # noqa: E402
 
 import shellform  # noqa: E402
@@ -23,13 +24,12 @@ release = version = shellform.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["_build", "gallery", "sg_execution_times.rst"]
 html_theme = "furo"
 html_title = "shellform"
-html_static_path = []
+html_math_renderer = "mathml"
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 
@@ -49,6 +49,7 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "show_signature": False,
     "min_reported_time": 0,
+    "run_stale_examples": True,  # the code they call may have changed
     "remove_config_comments": True,
     "copyfile_regex": r".*\.toml",
     "reset_modules": ("matplotlib",),
@@ -61,4 +62,5 @@ os.environ["MPLBACKEND"] = "Agg"
 
 def setup(app):
     docstrings.setup(app)
+    formulas.setup(app)
     rooms.setup(app)

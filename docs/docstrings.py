@@ -9,7 +9,9 @@ no reStructuredText, so stars, bars and underscores in them mean themselves.
 import re
 
 SPAN = re.compile(r"(``[^`]+``|`[^`]+`)")
+NEXT = re.compile(r"; (?=[A-Za-z_][\w, ]* : )")  # between two names described on one line
 INDENT = 4
+LISTS = ("Parameters", "Attributes")
 
 
 def escaped(text: str) -> str:
@@ -76,14 +78,18 @@ def items(lines: list[str]) -> list[str]:
         else:
             entries.append([line.strip()])
     out = []
-    for entry in entries:
-        text = " ".join(entry)
+    for text in (text for entry in entries for text in NEXT.split(" ".join(entry))):
         name, colon, rest = text.partition(" : ")
         if colon and "`" not in name:
             out.append(f"- ``{name}``: {escaped(rest)}")
         else:
             out.append(f"- {escaped(text)}")
     return [*out, ""]
+
+
+def is_list(title: str, lines: list[str]) -> bool:
+    """Parameters are; what is returned or raised may be a sentence that runs over lines."""
+    return title in LISTS or any(indent_of(line) for line in lines)
 
 
 def marked_up(lines: list[str]) -> list[str]:
@@ -96,7 +102,8 @@ def marked_up(lines: list[str]) -> list[str]:
             code = [line for line in text if not line.startswith("```")]
             out += [f".. rubric:: {title}", "", "::", "", *("    " + line for line in code), ""]
         else:
-            out += [f".. rubric:: {title}", "", *items(text)]
+            shown = items(text) if is_list(title, text) else prose(text)
+            out += [f".. rubric:: {title}", "", *shown]
     return out
 
 

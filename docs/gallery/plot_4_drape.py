@@ -67,7 +67,7 @@ left.axhline(weight, color="0.6", lw=0.8, ls="--", label="weight")
 left.set_xlabel("time [s]")
 left.set_ylabel("force up [N]")
 left.legend(frameon=False)
-view = (150.0, 12.0)  # degrees, from behind the pin
+view = (-100.0, 10.0)  # degrees, the pin to the left
 skin = facing(ellipsoid_facets(centre, np.eye(3), np.full(3, radius)), view_axes(*view)[2])
 cloth = smooth(shell.positions(), shell.directors(), square.cells, 3)
 blue, sand, red = "#7aa6c2", "#c9b79c", "#d8a48f"
