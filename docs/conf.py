@@ -54,6 +54,7 @@ sphinx_gallery_conf = {
     "copyfile_regex": r".*\.toml",
     "reset_modules": ("matplotlib",),
     "show_memory": False,
+    "capture_repr": (),
     "write_computation_times": False,
 }
 # the backend of the gallery is matplotlib's Agg, as there is no screen

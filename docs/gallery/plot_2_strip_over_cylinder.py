@@ -38,7 +38,7 @@ print(f"lifts off at {np.degrees(exact.angle):.2f} degrees, tip {x:.5f} {z:.5f} 
 found = {}
 for cells in (8, 16):
     stepper, contact = demo.strip(scene, cells, samples=0)
-    found[cells] = demo.measure(exact, stepper, contact, until=1.0)
+    found[cells] = demo.measure(exact, stepper, contact, until=2.0)
     print(f"{cells:3d} cells: tip off by {found[cells]['tip']:.1e} of half the length")
 
 # %%

@@ -67,6 +67,7 @@ axes.legend(frameon=False)
 # The last frame
 # --------------
 
+# sphinx_gallery_thumbnail_number = 2
 wearer = wearer_of(scene)
 figure, shown = plt.subplots(figsize=(4, 5), layout="constrained")
 frame = walk_pictures.read_frames(folder)[-1]
