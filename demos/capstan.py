@@ -27,12 +27,14 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, accuracy, command, trade_table
-from shellform.law import richardson
-from shellform.newmark import Newmark
-from shellform.results import Report
-from shellform.touch import Touch
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell, console
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy import measured
+from shellform.accuracy.error_law import richardson
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics.explicit import Newmark
+from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 WIDTH, TAIL, HELD, SPEED = 0.02, 0.15, 2.0, 0.1  # m, m, N, m/s
@@ -46,15 +48,15 @@ def arguments(given):
         description="Draw a belt over a cylinder; tensions against exp(mu phi).",
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--cells", type=positive(int), nargs="+", help="on the arc")
     parser.add_argument("--friction", type=positive(float), default=0.3)
     parser.add_argument("--radius", type=positive(float), default=0.1, help="m")
     parser.add_argument("--angle", type=positive(float), default=180.0, help="degrees, below 360")
     parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
-    parser.add_argument("--accuracy", type=command.accuracy, default=0.01, metavar="N%")
+    parser.add_argument("--accuracy", type=console.accuracy, default=0.01, metavar="N%")
     parser.add_argument("--out", default="out/capstan", help="folder for results")
-    options = command.parse(parser, given)
+    options = console.parse(parser, given)
     if options.angle >= 360:
         parser.error("--angle is below 360 degrees: the belt does not meet itself")
     return options
@@ -157,8 +159,8 @@ def main(given=None):
             stepper, out = belt(n, mu, options.radius, angle, options.time_step_factor)
         if choice and n == cells[-1]:
             work = len(stepper.shell.surface.points), seconds(arc / n) / stepper.dt
-            took = trade_table.seconds("capstan", choice.family, *work) / COMM.size
-            command.say(choice.lines(took))
+            took = measured.seconds("capstan", choice.family, *work) / COMM.size
+            console.say(choice.lines(took))
         start = time.perf_counter()
         with report.stage("solve"):
             found = last = ratios(stepper, out, arc / n)
@@ -180,12 +182,12 @@ def main(given=None):
         for n, mean, error, rms, took in rows:
             print(f"{n:6d}  {mean:8.5f}  {error:8.1e}  {rms:8.1e}  {took:7.1f}")
     if choice:
-        command.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy.told(told["accuracy"])])
     keys = ("cells", "ratio", "error_of_mean", "error", "seconds")
     results = {"exact": goal, "runs": [dict(zip(keys, row, strict=True)) for row in rows]}
     report.write(results, steps=steps, newton_iterations=0, **told)
-    command.say([f"wrote {report.folder}/summary.json"])
+    console.say([f"wrote {report.folder}/summary.json"])
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

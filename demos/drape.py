@@ -26,13 +26,17 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, accuracy, checkpoint, command, trade_table
-from shellform.law import richardson
-from shellform.ledger import Ledger
-from shellform.newmark import Newmark
-from shellform.results import Report, Series
-from shellform.touch import Touch
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell, console
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy.error_law import richardson
+from shellform.accuracy.measured import seconds
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics import checkpoint
+from shellform.dynamics.explicit import Newmark
+from shellform.results.ledger import Ledger
+from shellform.results.report import Report
+from shellform.results.series import Series
 
 COMM = MPI.COMM_WORLD
 G = 9.81
@@ -44,7 +48,7 @@ def arguments(given):
         description="Drape a square of cloth over an ellipsoid.",
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--cells", type=positive(int), help="along a side (default: accuracy)")
     parser.add_argument("--degree", type=int, choices=(1, 2), default=1, help="of the quads")
     parser.add_argument("--stepper", choices=("explicit", "implicit"), default="explicit")
@@ -75,10 +79,10 @@ def arguments(given):
         "--damping", type=float, default=2e-4, help="stiffness-proportional, of explicit steps, s"
     )
     parser.add_argument("--drag", type=float, default=0.5, help="of still air, 1/s")
-    parser.add_argument("--accuracy", type=command.accuracy, default=0.03, metavar="N%")
+    parser.add_argument("--accuracy", type=console.accuracy, default=0.03, metavar="N%")
     parser.add_argument("--frames", type=positive(int), default=40)
     parser.add_argument("--out", default="out/drape", help="folder for results")
-    options = command.parse(parser, given)
+    options = console.parse(parser, given)
     if options.window > options.seconds:
         parser.error("--window must not be longer than --seconds")
     if options.stepper == "implicit" and options.model == "particles":
@@ -119,14 +123,14 @@ def sheet(options):
 def stepper_of(options, shell, body):
     """Stepper of the model asked for, and its contact with the body."""
     if options.stepper == "implicit":
-        from shellform.implicit import ImplicitNewmark
-        from shellform.implicit_contact import ImplicitTouch
+        from shellform.contact_coupling.implicit_contact import ImplicitTouch
+        from shellform.dynamics.implicit import ImplicitNewmark
 
         stepper = ImplicitNewmark(shell, options.time_step, alpha=options.alpha, drag=options.drag)
         return stepper, ImplicitTouch(stepper, body, options.friction)
     model = Newmark
     if options.model == "particles":
-        from shellform.particles import Particles as model
+        from shellform.dynamics.mass_spring import Particles as model
     stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
     return stepper, Touch(stepper, body, options.friction)
 
@@ -196,8 +200,8 @@ def main(given=None):
         work = len(square.points), options.seconds / stepper.dt
         took = None  # of implicit steps no time was measured
         if options.stepper == "explicit":
-            took = trade_table.seconds("drape", choice.family, *work) / COMM.size
-        command.say(choice.lines(took))
+            took = seconds("drape", choice.family, *work) / COMM.size
+        console.say(choice.lines(took))
     later = None
     if options.handover is not None:
         # particles first, on a sheet of their own
@@ -211,10 +215,10 @@ def main(given=None):
     shown = stepper.shell
     frames, deepest = [(shown.positions(), shown.directors())], 0.0
     particle_steps = 0
-    for time in command.progress(times, len(times), "drape"):
+    for time in console.progress(times, len(times), "drape"):
         with report.stage("solve"):
             if later and time > options.handover:
-                from shellform.particles import hand_over
+                from shellform.dynamics.mass_spring import hand_over
 
                 stepper.advance(options.handover)
                 report.shift(touch.seconds, "solve", "contact")
@@ -249,7 +253,7 @@ def main(given=None):
         print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
         print(f"{results['strain_energy']:.3e} J, depth {1e3 * deepest:.4f} mm")
         with report.stage("output"):
-            from shellform.pictures import drape_pictures
+            from shellform.pictures.surfaces import drape_pictures
 
             drape_pictures(report.folder, frames, square.cells, body, times[0])
     iterations = 0
@@ -266,7 +270,7 @@ def main(given=None):
     if choice:
         with report.stage("solve"):
             told["accuracy"] = reached(options, choice, body, results["mean_height"])
-        command.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy.told(told["accuracy"])])
     report.write(results, steps=steps, newton_iterations=iterations, time_step=stepper.dt, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
@@ -303,4 +307,4 @@ def summarise(options, stepper, ledger, positions, deepest):
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

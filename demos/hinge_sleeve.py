@@ -24,16 +24,18 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from contact.recording import Recording
-from contact.wearer import Wearer
-from shellform import Fabric, Shell, accuracy, command, trade_table
-from shellform.inertia import ROTARY_SCALE
-from shellform.law import companion, left
-from shellform.ledger import Ledger
-from shellform.newmark import Newmark
-from shellform.results import Report
-from shellform.torque import Torque
-from shellform.touch import Touch
+from shellform import Fabric, Shell, console
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy import measured
+from shellform.accuracy.error_law import companion, left
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics.explicit import Newmark
+from shellform.fem.lumped_mass import ROTARY_SCALE
+from shellform.motion.recording import Recording
+from shellform.motion.wearer import Wearer
+from shellform.results.joint_torque import Torque
+from shellform.results.ledger import Ledger
+from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 LENGTH, APART = 0.3, 0.1  # m: semi-axis along the limb; from the knee to an ellipsoid's middle
@@ -49,7 +51,7 @@ def arguments(given):
         description="Bend a knee in a sleeve; draw the torque against the angle.",
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--friction", type=float, nargs="+", default=[0.0, 0.2])
     parser.add_argument("--angle", type=positive(float), default=20.0, help="degrees")
     parser.add_argument("--period", type=positive(float), default=0.3, help="of a cycle, s")
@@ -61,9 +63,9 @@ def arguments(given):
     parser.add_argument(
         "--mass-scale", type=positive(float), default=1.0, help="of the sleeve, for larger steps"
     )
-    parser.add_argument("--accuracy", type=command.accuracy, default=0.02, metavar="N%")
+    parser.add_argument("--accuracy", type=console.accuracy, default=0.02, metavar="N%")
     parser.add_argument("--out", default="out/hinge_sleeve", help="folder for results")
-    options = command.parse(parser, given)
+    options = console.parse(parser, given)
     if not 0.02 <= options.radius <= 0.09:
         parser.error("--radius of a limb lies between 0.02 and 0.09 m")
     if options.rotary_scale < 0:
@@ -142,7 +144,7 @@ def cycles(options, friction, folder=None):
     count = WINDOWS * options.cycles
     times = STILL + options.period * np.arange(count + 1) / WINDOWS
     strain, lost, found = [ledger.record()["strain"]], [], []
-    for t in command.progress(times[1:], count, f"friction {friction:g}"):
+    for t in console.progress(times[1:], count, f"friction {friction:g}"):
         stepper.advance(t)
         row = ledger.record()
         strain.append(row["strain"])
@@ -180,9 +182,9 @@ def cells_for(options):
     # steps as long as those measured with cells of this size: all scale with the size alike
     until = (STILL + options.cycles * options.period) * len(options.friction)
     # the step goes with the root of the mass
-    steps = until / trade_table.step_of("sleeve", choice.size) / np.sqrt(options.mass_scale)
-    took = trade_table.seconds("sleeve", choice.family, nodes, steps) / COMM.size
-    command.say(choice.lines(took))
+    steps = until / measured.step_of("sleeve", choice.size) / np.sqrt(options.mass_scale)
+    took = measured.seconds("sleeve", choice.family, nodes, steps) / COMM.size
+    console.say(choice.lines(took))
     return choice
 
 
@@ -193,7 +195,7 @@ def tricks(options):
         used.append(f"mass {options.mass_scale:g}")
     if options.rotary_scale != ROTARY_SCALE:
         used.append(f"rotary {options.rotary_scale:g}")
-    return trade_table.tricks("sleeve", used)
+    return measured.tricks("sleeve", used)
 
 
 def replace_around(options, around):
@@ -203,7 +205,7 @@ def replace_around(options, around):
 
 def draw(path, runs):
     """Torque against angle, and -dU/dtheta where there is no friction."""
-    from shellform.pictures import new_figure, save_figure
+    from shellform.pictures.surfaces import new_figure, save_figure
 
     figure, axes = new_figure(1, (6.5, 4.5), "A sleeve around a bending knee")
     for friction, run in runs.items():
@@ -252,7 +254,7 @@ def main(given=None):
             draw(report.folder / "hinge_sleeve.png", runs)
     keys = ("loop", "friction", "kept")
     if choice:
-        command.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy.told(told["accuracy"])])
     results = {f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()}
     told["tricks"] = tricks(options)
     steps = sum(run["steps"] for run in runs.values())
@@ -262,4 +264,4 @@ def main(given=None):
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

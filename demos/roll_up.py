@@ -25,9 +25,12 @@ from mpi4py import MPI
 import numpy as np
 
 import meshes
-from shellform import Fabric, Shell, Statics, accuracy, command, trade_table
-from shellform.law import companion, left
-from shellform.results import Report, Series
+from shellform import Fabric, Shell, Statics, console
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy.error_law import companion, left
+from shellform.accuracy.measured import seconds, tricks
+from shellform.results.report import Report
+from shellform.results.series import Series
 
 COMM = MPI.COMM_WORLD
 FAMILIES = ("quads", "nine-node quads")  # by degree
@@ -41,16 +44,16 @@ def arguments(given):
         description="Roll a strip up by an end moment and compare it with the exact circle.",
         epilog="Options with one dash go to PETSc, as -shell_snes_monitor.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--cells", type=positive(int), help="along the strip (default: accuracy)")
     parser.add_argument("--degree", type=int, choices=(1, 2), default=1, help="of the quads")
     parser.add_argument("--thickness", type=positive(float), default=0.01, help="m")
     parser.add_argument("--length", type=positive(float), default=12.0, help="m")
     parser.add_argument("--turns", type=float, default=1.0, help="at full load")
     parser.add_argument("--steps", type=positive(int), help="load steps (default: 20 a turn)")
-    parser.add_argument("--accuracy", type=command.accuracy, default=0.001, metavar="N%")
+    parser.add_argument("--accuracy", type=console.accuracy, default=0.001, metavar="N%")
     parser.add_argument("--out", default="out/roll_up", help="folder for results")
-    options = command.parse(parser, given)
+    options = console.parse(parser, given)
     if not np.isfinite(options.turns) or options.turns == 0:
         parser.error("--turns must be a finite number other than zero")
     if options.steps is None:
@@ -139,8 +142,8 @@ def main(given=None):
         report.describe(shell, inertia=False, contact=False)
     if choice:
         work = len(shell.surface.points), options.steps
-        took = trade_table.seconds("roll_up", choice.family, *work) / COMM.size
-        command.say(choice.lines(took))
+        took = seconds("roll_up", choice.family, *work) / COMM.size
+        console.say(choice.lines(took))
     with report.stage("compile"):
         shell.forms()
 
@@ -151,7 +154,7 @@ def main(given=None):
     shown = {options.steps * k // 5 for k in range(1, 6)}
     frames, exact, rows, iterations = [], [], [], []
     series = Series(options.out)
-    march = command.progress(statics.march(levels), options.steps, "roll-up")
+    march = console.progress(statics.march(levels), options.steps, "roll-up")
     start = time.perf_counter()
     for k, step in enumerate(march, start=1):
         report.seconds["solve"] += time.perf_counter() - start
@@ -172,7 +175,7 @@ def main(given=None):
     # ## What other cells differ by
     usual = int(np.ceil(STEPS * abs(turns)))
     used = [f"{options.steps} load steps"] if options.steps < usual else []
-    told = {"tricks": trade_table.tricks("roll_up", used)}
+    told = {"tricks": tricks("roll_up", used)}
     if choice:
         with report.stage("solve"):
             told["accuracy"] = reached(options, choice, tip)
@@ -185,7 +188,7 @@ def main(given=None):
             shape = f"{level * turns:8.3f} {x:10.5f} {z:10.5f} {x_exact:10.5f} {z_exact:10.5f}"
             print(f"{shape}  {error:.1e}  {newton:6d}")
         with report.stage("output"):
-            from shellform.pictures import roll_up_picture
+            from shellform.pictures.surfaces import roll_up_picture
 
             title = f"Roll-up, {options.cells} cells, tip within {error:.1e} of the length"
             roll_up_picture(report.folder / "roll_up.png", frames, exact, title)
@@ -202,10 +205,10 @@ def main(given=None):
         **told,
     )
     if choice:
-        command.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy.told(told["accuracy"])])
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, roll_up.png, series.pvd")
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

@@ -34,12 +34,14 @@ from scipy.integrate import solve_ivp, trapezoid
 from scipy.optimize import brentq
 
 import meshes
-from contact.body import Body, Fixed, Segment
-from shellform import Fabric, Shell, accuracy, command, trade_table
-from shellform.law import richardson
-from shellform.newmark import Newmark
-from shellform.results import Report
-from shellform.touch import Touch
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell, console
+from shellform.accuracy import choice as accuracy
+from shellform.accuracy import measured
+from shellform.accuracy.error_law import richardson
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics.explicit import Newmark
+from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 GRAVITY, WIDTH, WINDOW = 9.81, 0.02, 0.05  # m/s^2, m, s
@@ -223,16 +225,16 @@ def arguments(given):
         description="Hang a strip over a cylinder and compare it with the exact elastica.",
         epilog="Options with one dash go to PETSc.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--cells", type=positive(int), nargs="+", help="on half the strip")
     parser.add_argument("--samples", type=int, nargs="+", default=[0, 1], help="0: nodes; k: k x k")
     parser.add_argument("--seconds", type=positive(float), default=2.0, help="to come to rest")
     parser.add_argument("--radius", type=positive(float), default=0.05, help="m")
     parser.add_argument("--length", type=positive(float), default=0.25, help="of half a strip, m")
     parser.add_argument("--bending-length", type=positive(float), default=0.03, help="m")
-    parser.add_argument("--accuracy", type=command.accuracy, default=0.001, metavar="N%")
+    parser.add_argument("--accuracy", type=console.accuracy, default=0.001, metavar="N%")
     parser.add_argument("--out", default="out/strip_over_cylinder", help="folder for results")
-    options = command.parse(parser, given)
+    options = console.parse(parser, given)
     if options.seconds <= 2 * WINDOW:
         parser.error(f"--seconds must be more than {2 * WINDOW}")
     if min(options.samples) < 0:
@@ -287,8 +289,8 @@ def main(given=None):
                 stepper, touch = strip(scene, cells, k)
             if choice and (k, cells) == (options.samples[0], options.cells[-1]):
                 work = len(stepper.shell.surface.points), options.seconds / stepper.dt
-                took = trade_table.seconds("strip", choice.family, *work) / COMM.size
-                command.say(choice.lines(took))
+                took = measured.seconds("strip", choice.family, *work) / COMM.size
+                console.say(choice.lines(took))
             with report.stage("solve"):
                 found = measure(exact, stepper, touch, options.seconds)
             report.shift(touch.seconds, "solve", "contact")
@@ -322,7 +324,7 @@ def main(given=None):
     told = {}
     if choice:
         told["accuracy"] = reached(choice, *next(iter(runs.values())), options.length)
-        command.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy.told(told["accuracy"])])
     report.write(results, steps=steps, newton_iterations=0, **told)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, strip_over_cylinder.png")
@@ -330,7 +332,7 @@ def main(given=None):
 
 def picture(path, exact, cells, runs):
     """The strip at rest, forces summed over the angle, and errors over cells."""
-    from shellform.pictures import new_figure, save_figure
+    from shellform.pictures.surfaces import new_figure, save_figure
 
     title = "A strip over a cylinder: contact at nodes, and inside cells as well"
     figure, (left, middle, right) = new_figure(1, (12, 4.4), title, columns=3)
@@ -366,4 +368,4 @@ def picture(path, exact, cells, runs):
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

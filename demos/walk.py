@@ -21,10 +21,17 @@ from mpi4py import MPI
 
 import numpy as np
 
-from shellform import account, accuracy, activity, build, command, trade
-from shellform.results import Report
-from shellform.scene import Garment, Motion, Output, Scene, Steps
-from shellform.torque import rows_until
+from shellform import console
+from shellform.accuracy.choice import told as accuracy_told
+from shellform.results.joint_torque import rows_until
+from shellform.results.report import Report
+from shellform.scene.parts import Garment, Motion, Output, Steps
+from shellform.scene.scene import Scene
+from shellform.scene.wearer import wearer_of
+from shellform.simulation.error_study import estimate
+from shellform.simulation.figures import dressing_frames
+from shellform.simulation.run import run
+from shellform.simulation.summary import summary_of, told
 
 COMM = MPI.COMM_WORLD
 JOINT = "right_knee"
@@ -36,7 +43,7 @@ def arguments(given):
         description="Dress a walker in trousers; the torque they exert about the joints.",
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
-    positive = command.positive
+    positive = console.positive
     parser.add_argument("--motion", default="synthetic", help="'synthetic' or C3D, TRC, CSV file")
     parser.add_argument(
         "--fabric", nargs="+", default=["compliant", "stiff"], help="names of cards, or files"
@@ -54,7 +61,7 @@ def arguments(given):
     parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
     parser.add_argument("--frames", type=positive(float), default=15.0, help="pictures a second")
     parser.add_argument("--out", type=Path, default=Path("out/walk"), help="folder for results")
-    return command.parse(parser, given)
+    return console.parse(parser, given)
 
 
 def scene_of(options, fabric):
@@ -87,21 +94,21 @@ def main(given=None):
     results = {}
     with report.stage("solve"):
         for name, scene in list(zip(names, scenes, strict=True))[mine::groups]:
-            results[name] = activity.run(scene, options.out / name, comm)
+            results[name] = run(scene, options.out / name, comm)
             if options.estimate:
-                trade.estimate(scene, options.out / name, comm)
+                estimate(scene, options.out / name, comm)
     parts = COMM.allgather(results)
     results = {name: part[name] for name in names for part in parts if name in part}
 
     # ## Pictures and the report
-    summaries = [account.summary_of(options.out / name) for name in names]
+    summaries = [summary_of(options.out / name) for name in names]
     if COMM.rank == 0:
         with report.stage("output"):
             draw(options, names, scenes[0])
         for name, summary in zip(names, summaries, strict=True):
             print(f"\n{name} trousers")
-            print("\n".join(account.told(results[name])))
-            print(accuracy.told(summary["accuracy"]))
+            print("\n".join(told(results[name])))
+            print(accuracy_told(summary["accuracy"]))
     keys = ("cells", "nodes", "dofs", "plan", "accuracy", "tricks")
     first = {key: summaries[0][key] for key in keys}
     report.summary |= first
@@ -116,19 +123,21 @@ def main(given=None):
 
 def draw(options, names, scene):
     """walk.png, torque.png and walk.gif."""
-    from shellform import pressure, walk_pictures
+    from shellform.pictures.skin_pressure import pressure_figure
+    from shellform.pictures.walk import draw_all
+    from shellform.results.skin_pressure import load
 
     first = options.out / names[0]
     rows = {name: rows_until(options.out / name / "torque.csv", np.inf) for name in names}
     title = f"Trousers of {names[0]} cloth; torque of the clothing on the wearer"
-    dressing = account.dressing_frames(first)
-    wearer = build.wearer_of(scene)
-    walk_pictures.draw_all(options.out, wearer, dressing, first, rows, JOINT, title)
-    skin = pressure.load(first / "pressure.npz")
-    walk_pictures.pressure_figure(
+    dressing = dressing_frames(first)
+    wearer = wearer_of(scene)
+    draw_all(options.out, wearer, dressing, first, rows, JOINT, title)
+    skin = load(first / "pressure.npz")
+    pressure_figure(
         options.out / "pressure.png", wearer, skin, wearer.start, f"{names[0]} trousers"
     )
 
 
 if __name__ == "__main__":
-    command.run(main)
+    console.run(main)

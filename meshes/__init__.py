@@ -4,10 +4,11 @@ Nothing here knows finite elements. Lengths are in m; a Surface has passed `chec
 """
 # SPDX-License-Identifier: LGPL-3.0-or-later
 
-from .garment import SIZES, trousers
-from .geometry import nodal_normals
-from .load import load, save
-from .panel import (
+from meshes.files.load import load, save
+from meshes.garments.prepare import regions, worn
+from meshes.garments.sleeve_and_skirt import skirt, sleeve
+from meshes.garments.trousers import SIZES, trousers
+from meshes.shapes.panel import (
     annulus,
     cylinder,
     disc,
@@ -18,6 +19,8 @@ from .panel import (
     skewed,
     spherical_cap,
 )
+
+from .geometry import nodal_normals
 from .repair import (
     boundary_loops,
     clean,
@@ -29,8 +32,6 @@ from .repair import (
     to_triangles,
 )
 from .surface import MeshError, Surface, check
-from .tube import skirt, sleeve
-from .worn import regions, worn
 
 __all__ = [
     "SIZES",

@@ -11,12 +11,12 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Fabric": "fabric",
-    "FabricError": "fabric",
-    "Ply": "laminate",
-    "NotConverged": "statics",
-    "Shell": "shell",
-    "Statics": "statics",
+    "Fabric": "material.fabric",
+    "FabricError": "material.fabric",
+    "Ply": "material.laminate",
+    "NotConverged": "statics.load_stepping",
+    "Shell": "fem.shell",
+    "Statics": "statics.load_stepping",
 }
 
 __all__ = ["Fabric", "FabricError", "NotConverged", "Ply", "Shell", "Statics"]

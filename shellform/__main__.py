@@ -15,7 +15,9 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from . import command
+from shellform.simulation.figures import draw
+
+from . import console
 
 TEMPLATE = """\
 # A scene of shellform. Everything left out has the value shown; paths are relative to this file.
@@ -94,7 +96,7 @@ def parser():
 
 def main(given=None):
     """Run the command; `given` is a list of arguments or None for the program's own."""
-    options = command.parse(parser(), given)
+    options = console.parse(parser(), given)
     if options.do == "new":
         if options.scene.exists():
             raise ValueError(f"{options.scene} exists already: give another name")
@@ -102,24 +104,26 @@ def main(given=None):
         return
     comm = MPI.COMM_WORLD
     if options.do == "check":
-        from .plan import plan
-        from .scene_file import read_scene
+        from shellform.scene.scene_file import read_scene
+        from shellform.simulation.check import plan
 
         lines = plan(read_scene(options.scene), comm)
         if comm.rank == 0:
             print("\n".join(lines))
         return
-    from .scene_file import read_scene
+    from shellform.scene.scene_file import read_scene
 
     if options.do == "trade":
-        from .trade import trade
+        from shellform.simulation.error_study import trade
 
         out = options.out or Path("out/trade") / options.scene.stem
-        command.say(trade(read_scene(options.scene), comm, out if options.measure else None))
+        console.say(trade(read_scene(options.scene), comm, out if options.measure else None))
         return
-    from . import account, activity
-    from .accuracy import told
-    from .trade import check_cells, estimate
+    from shellform.accuracy.choice import told
+    from shellform.simulation.error_study import check_cells, estimate
+
+    from .simulation import run as activity
+    from .simulation import summary as account
 
     if options.do == "run":
         out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
@@ -133,7 +137,7 @@ def main(given=None):
         results = activity.resume(out, comm)
     if comm.rank == 0:
         if not options.no_pictures:
-            account.draw(out)
+            draw(out)
         print("\n".join(account.told(results)))
         print(told(account.summary_of(out)["accuracy"]))
         print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
@@ -141,7 +145,7 @@ def main(given=None):
 
 def entry():
     """The installed command."""
-    command.run(main)
+    console.run(main)
 
 
 if __name__ == "__main__":

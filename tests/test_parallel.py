@@ -23,7 +23,7 @@ PATIENCE = 600
 
 def distorted_sheet(degree=1, triangles=False):
     """A flat sheet of 1.2 by 1, turned in space, with its warp along one side."""
-    from shellform.director import rotation_matrix
+    from shellform.fem.director import rotation_matrix
 
     turn = rotation_matrix([0.3, -0.5, 0.8])
     surface = meshes.rectangle(
@@ -70,7 +70,7 @@ def loaded(degree, triangles, fabric):
 def driven(degree, triangles, fabric):
     """Shell whose right edge is carried and turned, the left clamped."""
     from shellform import Shell
-    from shellform.director import rotation_matrix
+    from shellform.fem.director import rotation_matrix
 
     surface, turn = distorted_sheet(degree, triangles)
     shell = Shell(surface, fabric)

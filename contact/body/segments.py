@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The body: named ellipsoids in prescribed rigid motion, posed by markers (Eq. 17).
+
+A segment has constant semi-axes and a motion; its motion gives the pose (centre, axes, velocity of
+the centre, spin) at any time. Axes are rows e1, e2, e3: local coordinates are axes @ (x - centre).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .segment_sets import bits_of
+
+TOLERANCE = 1e-9  # of axes @ axes.T against the identity
+SLENDER = 1e9  # longest over shortest semi-axis: from there on roundoff of one exceeds the other
+
+
+class Pose(NamedTuple):
+    """Where m segments are and how they move, each array contiguous float.
+
+    centres (m, 3) [m], axes (m, 3, 3) rows e1, e2, e3, velocities (m, 3) of the centres [m/s],
+    spins (m, 3) [rad/s].
+    """
+
+    centres: np.ndarray
+    axes: np.ndarray
+    velocities: np.ndarray
+    spins: np.ndarray
+
+
+class Fixed:
+    """A pose that never changes.
+
+    Parameters
+    ----------
+    centre : (3,) float [m]
+    axes : (3, 3) float or None, rows e1, e2, e3; None: the world's axes
+    """
+
+    moves = False
+
+    def __init__(self, centre=(0.0, 0.0, 0.0), axes=None):
+        self.centre = np.array(centre, float)
+        self.axes = np.eye(3) if axes is None else np.array(axes, float)
+
+    def pose(self, t):
+        """Centre, axes, velocity, spin at time t [s]."""
+        return self.centre, self.axes, np.zeros(3), np.zeros(3)
+
+
+class Steady(Fixed):
+    """Constant velocity of the centre and constant spin.
+
+    Parameters
+    ----------
+    centre, axes : pose at t = 0, as for `Fixed`
+    velocity : (3,) float [m/s]
+    spin : (3,) float, in world axes [rad/s]
+    """
+
+    moves = True
+
+    def __init__(
+        self, centre=(0.0, 0.0, 0.0), axes=None, velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0)
+    ):
+        super().__init__(centre, axes)
+        self.velocity = np.array(velocity, float)
+        self.spin = np.array(spin, float)
+
+    def pose(self, t):
+        """Centre, axes, velocity, spin at time t [s]."""
+        axes = turned(self.axes, self.spin * t)
+        return self.centre + t * self.velocity, axes, self.velocity, self.spin
+
+
+class Segment:
+    """One ellipsoid of the body.
+
+    Parameters
+    ----------
+    name : str
+    radii : (3,) float, semi-axes along e1, e2, e3 [m]
+    motion : object with pose(t), or a function of t; both return (centre, axes, velocity, spin).
+        A motion whose attribute `moves` is False is asked once only.
+    """
+
+    def __init__(self, name, radii, motion):
+        if not (isinstance(name, str) and name):
+            raise ValueError(f"a segment needs a name, not {name!r}")
+        self.name, self.radii, self.motion = name, semi_axes(name, radii), motion
+        self.pose = motion.pose if hasattr(motion, "pose") else motion
+        self.moves = getattr(motion, "moves", True)
+
+
+def semi_axes(name, radii):
+    """Checked semi-axes (3,) [m] of the segment `name`; ValueError if they make no ellipsoid."""
+    radii = np.array(radii, float)
+    if radii.shape != (3,) or not (np.isfinite(radii).all() and (radii > 0).all()):
+        raise ValueError(f"segment '{name}' needs three finite radii > 0 [m], not {radii}")
+    if radii.max() > SLENDER * radii.min():
+        raise ValueError(
+            f"segment '{name}' has radii from {radii.min():.3g} to {radii.max():.3g} m, more than "
+            f"{SLENDER:.0g} apart; make the longest shorter"
+        )
+    return radii
+
+
+class Body:
+    """Named ellipsoids; any object with names, radii, new_pose() and pose(t, out) can stand in.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+
+    Attributes
+    ----------
+    names : tuple of str
+    radii : (m, 3) float, semi-axes [m]
+    """
+
+    def __init__(self, segments):
+        self.segments = tuple(segments)
+        if not self.segments:
+            raise ValueError("a body needs at least one segment")
+        self.names = tuple(segment.name for segment in self.segments)
+        twice = sorted({name for name in self.names if self.names.count(name) > 1})
+        if twice:
+            raise ValueError(f"segments need different names, found twice: {', '.join(twice)}")
+        self.radii = np.array([segment.radii for segment in self.segments])
+        self._moving = [k for k, segment in enumerate(self.segments) if segment.moves]
+
+    def __len__(self):
+        return len(self.segments)
+
+    def index(self, name):
+        """Number of the segment called `name`."""
+        if name not in self.names:
+            raise ValueError(f"no segment '{name}'; there are: {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def mask(self, names):
+        """Set of the named segments as a whole number, see `contact.travel.bits_of`.
+
+        ValueError where a bit stands for others besides.
+        """
+        bits, which = bits_of(self), sorted({self.index(name) for name in names})
+        out = 0
+        for k in which:
+            out |= 1 << int(bits[k])
+        for k in np.flatnonzero(out >> bits & 1):
+            if k not in which:
+                raise ValueError(
+                    f"of {len(bits)} segments '{self.names[k]}' cannot be told from "
+                    f"'{self.names[which[list(bits[which]).index(bits[k])]]}'; name both, or make "
+                    "fewer segments"
+                )
+        return out
+
+    def new_pose(self, t=0.0):
+        """Arrays for `pose`, filled at time t [s]; segments at rest are set here for good."""
+        m = len(self.segments)
+        out = Pose(*(np.zeros(shape) for shape in ((m, 3), (m, 3, 3), (m, 3), (m, 3))))
+        return self._fill(range(m), t, out)
+
+    def pose(self, t, out):
+        """Pose at time t [s], written into arrays from `new_pose`; returns them.
+
+        Raises
+        ------
+        ValueError
+            When a motion gives a non-finite number or axes that are no rotation.
+        """
+        return self._fill(self._moving, t, out)
+
+    def _fill(self, which, t, out):
+        for k in which:
+            centre, axes, velocity, spin = self.segments[k].pose(t)
+            out.centres[k], out.axes[k] = centre, axes
+            out.velocities[k], out.spins[k] = velocity, spin
+        if which:
+            self._check(t, out)
+        return out
+
+    def _check(self, t, out):
+        k, error = _first_bad(*out)
+        if k >= 0 and np.isfinite(error):
+            raise ValueError(
+                f"axes of segment '{self.names[k]}' at t = {t:.6g} s are no right-handed "
+                f"orthonormal rows e1, e2, e3 (off by {error:.2g})"
+            )
+        if k >= 0:
+            raise ValueError(f"motion of segment '{self.names[k]}' is not finite at t = {t:.6g} s")
+
+    def accelerations(self, t, step=1e-4):
+        """Accelerations of the centres (m, 3) [m/s^2] and of the spins (m, 3) [rad/s^2].
+
+        Central differences of the velocities over 2 `step` [s].
+        """
+        ahead, back = self.new_pose(t + step), self.new_pose(t - step)
+        return (
+            (ahead.velocities - back.velocities) / (2 * step),
+            (ahead.spins - back.spins) / (2 * step),
+        )
+
+
+@njit(cache=True, error_model="numpy")
+def _first_bad(centres, axes, velocities, spins):
+    """First segment whose pose is no rigid motion, or -1, and by how much (NaN: not finite)."""
+    for k in range(len(centres)):
+        a, error = axes[k], 0.0
+        for i in range(3):
+            # with e1 x e2 = e3, unit and perpendicular e1, e2 leave nothing else to check
+            j, h = (i + 1) % 3, (i + 2) % 3
+            error = max(error, abs(a[0, j] * a[1, h] - a[0, h] * a[1, j] - a[2, i]))
+        for i in range(2):
+            for j in range(2):
+                product = a[i, 0] * a[j, 0] + a[i, 1] * a[j, 1] + a[i, 2] * a[j, 2]
+                error = max(error, abs(product - (1.0 if i == j else 0.0)))
+        for i in range(3):
+            number = centres[k, i] + velocities[k, i] + spins[k, i] + a[0, i] + a[1, i] + a[2, i]
+            if not np.isfinite(number):
+                return k, np.nan
+        if not error < TOLERANCE:
+            return k, error
+    return -1, 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def turned(axes, angle):
+    """Rows of axes (3, 3) turned by the rotation vector angle (3,) [rad] (Rodrigues)."""
+    size = np.sqrt(angle[0] ** 2 + angle[1] ** 2 + angle[2] ** 2)
+    out = axes.copy()
+    if size == 0.0:
+        return out
+    k0, k1, k2 = angle[0] / size, angle[1] / size, angle[2] / size
+    cosine, sine = np.cos(size), np.sin(size)
+    for i in range(3):
+        a0, a1, a2 = axes[i, 0], axes[i, 1], axes[i, 2]
+        along = (1.0 - cosine) * (a0 * k0 + a1 * k1 + a2 * k2)
+        out[i, 0] = cosine * a0 + along * k0 + sine * (k1 * a2 - k2 * a1)
+        out[i, 1] = cosine * a1 + along * k1 + sine * (k2 * a0 - k0 * a2)
+        out[i, 2] = cosine * a2 + along * k2 + sine * (k0 * a1 - k1 * a0)
+    return out

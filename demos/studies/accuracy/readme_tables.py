@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The tables of README from what was measured, shellform/accuracy/measured.csv; nothing is run.
+
+`python -m demos.studies.accuracy.run --table` prints them.
+"""
+
+import math
+
+from shellform.accuracy.choice import LEADING, WORDS, choose, percent
+from shellform.accuracy.error_law import cheapest
+from shellform.accuracy.measured import laws, read
+
+ERRORS = (0.1, 0.03, 0.01, 0.003)
+KINDS = ("spread", "step", "trick")
+CALLED = {"spread": "another start", "step": "half the time step"}
+
+
+def lines():
+    """The three tables in Markdown."""
+    return [*meshes(), "", *words(), "", *changes()]
+
+
+def meshes():
+    """Cheapest cells for an error, cost; what was measured."""
+    said = ["| scene, error of | 10 % | 3 % | 1 % | 0.3 % |", "|---|---|---|---|---|"]
+    for case, quantity in LEADING.items():
+        rows = [
+            row
+            for row in read()
+            if (row["case"], row["quantity"], row["kind"]) == (case, quantity, "mesh")
+        ]
+        if not rows:
+            continue
+        cells = [_cheapest(rows, error) for error in ERRORS]
+        doubt = rows[0]["uncertainty"]
+        known = f" (known to {percent(doubt)})" if doubt > 1e-4 else ""
+        said.append(f"| {case.replace('_', ' ')}, {quantity}{known} | {' | '.join(cells)} |")
+    return said
+
+
+def _cheapest(rows, error):
+    best = cheapest(rows, error)
+    if best is None:
+        return f"- (best {percent(min(row['error'] for row in rows))})"
+    family = "" if best["family"] == "quads" else f"{best['family']}, "
+    return f"{family}{best['ratio']:.2f} l, {best['core_seconds']:.2g} s"
+
+
+def changes():
+    """What another start, half the step and tricks change, and what they cost."""
+    said = ["| scene | what | changes | time over that without |", "|---|---|---|---|"]
+    rows = [row for row in read() if row["kind"] in KINDS]
+    for case in LEADING:
+        mine = [row for row in rows if row["case"] == case]
+        for kind, family in dict.fromkeys((row["kind"], row["family"]) for row in mine):
+            some = [row for row in mine if (row["kind"], row["family"]) == (kind, family)]
+            what = ", ".join(f"{row['quantity']} {short(row['error'])}" for row in some)
+            cost = some[0]["relative_cost"]
+            name, cost = CALLED.get(kind, family), "" if math.isnan(cost) else f"{cost:.2f}"
+            said.append(f"| {case.replace('_', ' ')} | {name} | {what} | {cost} |")
+    return said
+
+
+def words():
+    """What the words choose in each scene: size of the cells, error; a star: not what was asked."""
+    said = ["| scene | draft | standard | fine |", "|---|---|---|---|"]
+    for case in LEADING:
+        if not laws(case, needed=False):
+            continue
+        found = [choose(case, word, 1.0) for word in WORDS]
+        cells = (
+            f"{choice.ratio:.2f} l, {percent(choice.error)}"
+            + ("" if choice.error <= WORDS[choice.asked] else " *")
+            for choice in found
+        )
+        said.append(f"| {case.replace('_', ' ')} | {' | '.join(cells)} |")
+    return said
+
+
+def short(error):
+    """An error as a text, 0 for what is none."""
+    return percent(error) if error >= 1e-5 else "0"

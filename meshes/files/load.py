@@ -1,0 +1,203 @@
+"""Surfaces from files and into files, through meshio: .msh, .vtu, .vtk, .obj, .stl and .ply.
+
+A file may mix cells, repeat points, face both ways or be in millimetres; what leaves `load` is one
+checked Surface in m. The names of edges and panels are gmsh's physical groups in .msh files, and
+cell data called 'edge:NAME' and 'panel:NAME' (1 inside, 0 outside) in .vtu and .vtk files.
+"""
+# SPDX-License-Identifier: LGPL-3.0-or-later
+
+from __future__ import annotations
+
+import os
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from meshes.geometry import diagonal
+from meshes.repair import boundary_loops, clean, merge_duplicates, orient
+from meshes.subdivide import carry, split_blocks, to_triangles
+from meshes.surface import Surface
+from meshes.topology import segments_of_line
+from meshes.validity import MeshError, check_arrays
+
+from .groups import drop_repeats, read_groups, with_groups
+from .readers import FORMATS, read_mesh
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+# Nodes kept of each kind of cell: quadratic cells without a centre node are straightened.
+_FACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 9}
+
+
+def load(path, unit="m", quads=None):
+    """Read the surface in a file.
+
+    Parameters
+    ----------
+    path : file with triangles, quads or 9-node quads. A mix of triangles and quads is cut into
+        quads throughout, conformingly.
+    unit : of the file's coordinates: 'm', 'cm', 'mm' or 'in'.
+    quads : 'split' cuts triangles into three quads each; None keeps them.
+
+    Returns
+    -------
+    Surface in m. Named edges and panels as in the file; without any named edge, the boundary
+    loops are called 'boundary_0', 'boundary_1', ..., longest first.
+
+    Raises
+    ------
+    MeshError : one sentence for a file that is missing, unreadable or holds no usable surface.
+        ValueError for an unknown unit or ``quads``.
+    """
+    path = Path(path)
+    name = path.name
+    if unit not in UNITS:
+        raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
+    if quads not in (None, "split"):
+        raise ValueError(f"quads must be None or 'split', not {quads!r}")
+    mesh = read_mesh(path)
+    points = np.asarray(mesh.points, dtype=np.float64)
+    if points.ndim == 2 and points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    blocks, origins = _faces(mesh, points, name)
+    edges, panels, warp = read_groups(mesh, origins, blocks, name)
+    if "gmsh:physical" in mesh.cell_data:
+        blocks, panels, warp = drop_repeats(blocks, panels, warp)
+    directors = _directors(mesh, points)
+    points = points * UNITS[unit]
+    if len(blocks) > 1 or (quads == "split" and blocks[0].shape[1] == 3):
+        points, cells, edges, directors, parents = split_blocks(points, blocks, edges, directors)
+        panels, warp = carry(panels, warp, parents)
+    else:
+        cells = blocks[0]
+    surface = Surface(points, cells, edges, directors, warp, panels, name, verify=False)
+    if path.suffix.lower() == ".stl":
+        # The format knows no shared points, and its binary form only single precision.
+        surface = merge_duplicates(surface, 1e-7 * diagonal(points[np.unique(cells)]))
+    surface = _same_side(clean(surface)).replace(verify=True)
+    _warn_unit(surface, unit)
+    if surface.edges:
+        return surface
+    loops = boundary_loops(surface)
+    lines = [segments_of_line(np.append(loop, loop[0]), surface.degree) for loop in loops]
+    named = {f"boundary_{k}": line for k, line in enumerate(lines)}
+    with warnings.catch_warnings():
+        # The check above has warned of coincident points already.
+        warnings.simplefilter("ignore")
+        return surface.replace(edges=named)
+
+
+def _faces(mesh, points, name):
+    """Cell arrays by width (3 before 4, or 9 alone), and which block and row each comes from."""
+    found = {}
+    for number, block in enumerate(mesh.cells):
+        if block.type.startswith("polygon"):
+            raise MeshError(
+                f"{name}: {len(block.data)} faces have more than four corners, cut them into "
+                "triangles or quads before saving."
+            )
+        if block.type in _FACES and len(block.data):
+            width = _FACES[block.type]
+            cells = np.asarray(block.data, dtype=np.int64)[:, :width]
+            if block.type in ("triangle6", "quad8"):
+                warnings.warn(
+                    f"{name}: curved {block.type} cells are straightened; save 9-node quads to "
+                    "keep the curvature.",
+                    stacklevel=3,
+                )
+            origin = np.stack([np.full(len(cells), number), np.arange(len(cells))], axis=1)
+            found.setdefault(width, []).append((cells, origin))
+    if not found:
+        kinds = ", ".join(sorted({block.type for block in mesh.cells})) or "nothing"
+        raise MeshError(
+            f"{name}: the file holds no triangles or quads (but {kinds}), export the surface mesh."
+        )
+    if 9 in found and len(found) > 1:
+        raise MeshError(
+            f"{name}: 9-node quads are mixed with other cells, save one kind of cell only."
+        )
+    blocks, origins = [], []
+    for width in sorted(found):
+        blocks.append(np.concatenate([cells for cells, _ in found[width]]))
+        origins.append(np.concatenate([origin for _, origin in found[width]]))
+        check_arrays(points, blocks[-1], name)
+    return blocks, np.concatenate(origins)
+
+
+def _directors(mesh, points):
+    """Unit directors (n, 3) stored in the file, or None; anything unfit counts as not stored."""
+    data = mesh.point_data
+    directors = data.get("directors")
+    if directors is None and all(key in data for key in ("nx", "ny", "nz")):
+        directors = np.stack([data["nx"], data["ny"], data["nz"]], axis=-1)
+    if directors is None or np.shape(directors) != points.shape:
+        return None
+    directors = np.asarray(directors, dtype=np.float64)
+    lengths = np.linalg.norm(directors, axis=1, keepdims=True)
+    return directors / lengths if (np.abs(lengths - 1.0) < 1e-3).all() else None
+
+
+def _same_side(surface):
+    """The surface with all cells facing the side of most, and a warning if some had to turn."""
+    turned = orient(surface, majority=True)
+    count = int((turned.cells != surface.cells).any(axis=1).sum())
+    if count:
+        warnings.warn(
+            f"{surface.source}: {count} of {len(surface.cells)} cells faced the other side than "
+            "their neighbours and were turned.",
+            stacklevel=3,
+        )
+    return turned
+
+
+def _warn_unit(surface, unit):
+    extent = diagonal(surface.points)
+    if extent > 20.0 or extent < 0.01:
+        warnings.warn(
+            f"{surface.source}: read in '{unit}', the mesh measures {extent:.3g} m across, which "
+            "no garment does; give the file's unit, as in load(path, unit='mm').",
+            stacklevel=3,
+        )
+
+
+def save(surface, path):
+    """Write a surface to a file in m, completely or not at all.
+
+    Parameters
+    ----------
+    surface : Surface. Directors, warp, named edges and panels are kept by .vtu and .vtk, all but
+        the warp by .msh; .ply keeps the directors, .obj and .stl the shape alone (.stl as
+        triangles).
+    path : ending in one of these; on several ranks, only one may write.
+
+    Raises
+    ------
+    MeshError : for an unknown ending, or curved cells in a format without them.
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind not in FORMATS:
+        raise MeshError(f"{path.name}: unknown file type '{kind}', use {', '.join(FORMATS)}.")
+    named = kind in (".msh", ".vtu", ".vtk")
+    if surface.degree == 2 and not named:
+        raise MeshError(f"{path.name}: {kind} files hold no curved cells, use .vtu or .msh.")
+    if kind == ".stl" and surface.kind == "quadrilateral":
+        surface = to_triangles(surface, "shortest")
+    import meshio
+
+    label = {3: "triangle", 4: "quad", 9: "quad9"}[surface.cells.shape[1]]
+    # The writer of .ply complains about wider integers.
+    cells = [(label, surface.cells.astype(np.int32) if kind == ".ply" else surface.cells)]
+    mesh = meshio.Mesh(surface.points, cells)
+    if kind == ".ply":
+        mesh.point_data = dict(zip(("nx", "ny", "nz"), surface.directors.T.copy()))
+    elif named:
+        mesh = with_groups(surface, cells, kind == ".msh", path.name)
+    options = {".msh": {"file_format": "gmsh22", "binary": False}}.get(kind, {})
+    # The temporary name keeps the ending, by which the writer knows the format.
+    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        meshio.write(part, mesh, **options)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The measured trade between error and cost: the cheapest setting for an error asked for.
+
+Scenes whose solution is known, or known well from finer meshes, were run with cells of many sizes
+(`demos/studies/accuracy/run.py`, which writes the table read here). The relative error of a
+quantity is
+
+    error^2 = (s C r^p + own)^2 + spread^2,   r = h/l,
+
+h the size of a cell, l the length that matters in the scene: the radius to which the sheet is bent
+or on which it lies, or where it hangs free the bending length (D/(m g))^(1/3). C and p are fitted;
+s is the scene's own sensitivity, by which its error is larger than a cell's (a long belt adds up
+the errors of its cells); `own` is what the scene itself leaves however small the cells. The spread
+is what another start changes where folds choose among many states: no cell size helps below it.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+
+from .measured import TABLE, laws
+
+WORDS = {"draft": 0.03, "standard": 0.01, "fine": 0.001}
+# cells in a garment, by the word: size over the length that matters; what error these leave in a
+# torque is measured, not asked for, as folds repeat to some ten percent only
+GARMENT = {"draft": 2.0, "standard": 1.4, "fine": 1.0}
+POOR = 0.1  # spreads and doubts above it are told
+LIMB = 0.0525  # m, radius of a limb where trousers meet it
+# which quantity of a case an error is asked of
+LEADING = {
+    "roll_up": "position",
+    "capstan": "force",
+    "strip": "position",
+    "sleeve": "torque",
+    "drape": "shape",
+    "walk": "torque",
+}
+
+
+def garment_length(fabric):
+    """Length [m] that matters for a garment: what folds, and what lies on a limb.
+
+    A cell of a third of a limb's radius leaves (1/3)^2/12 = 1 % of mu phi of what a sliding cloth
+    pulls with, see demos/capstan.py.
+    """
+    folds = math.sqrt(fabric.bending_length() * fabric.bending_length(degrees=90.0))
+    return min(folds, LIMB / 3)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A size of cells and the errors it is predicted to leave.
+
+    Attributes
+    ----------
+    case, family : what was measured
+    asked : float, relative error, or a word; None where a size of cells was given instead
+    length : l [m]; ratio : h/l; predicted : {quantity: relative error}
+    kept : bool, whether the error asked for can be promised; laws : {quantity: Law}
+    """
+
+    case: str
+    family: str
+    asked: float | str | None
+    length: float
+    ratio: float
+    kept: bool = True
+    sensitivity: float = 1.0
+    own: float = 0.0
+    laws: dict = field(default_factory=dict, repr=False)
+
+    @property
+    def size(self):
+        """Size of a cell [m]."""
+        return self.ratio * self.length
+
+    @property
+    def law(self):
+        """Law of the quantity asked for."""
+        return self.laws[LEADING[self.case]]
+
+    @property
+    def order(self):
+        """Power of the size with which the error goes, 1 where none was measured."""
+        return self.law.order if self.laws else 1.0
+
+    @property
+    def predicted(self):
+        return {
+            name: law.error(self.ratio, self.sensitivity, self.own)
+            for name, law in self.laws.items()
+        }
+
+    @property
+    def error(self):
+        """Error predicted for the quantity asked for."""
+        return self.predicted.get(LEADING[self.case], math.nan)
+
+    def at(self, size):
+        """The same with cells of another size [m], as a whole number of them asks for."""
+        return replace(self, ratio=size / self.length)
+
+    @property
+    def promised(self):
+        """Whether the error predicted is what was asked for; None if nothing was."""
+        if self.asked is None:
+            return None
+        return bool(self.kept and self.error <= relative_error(self.asked) * (1 + 1e-9))
+
+    @property
+    def wish(self):
+        """What was asked for, as a text."""
+        if self.asked is None:
+            return "cells as given"
+        return f"accuracy {self.asked if isinstance(self.asked, str) else percent(self.asked)}"
+
+    def lines(self, seconds=None):
+        """Lines for a person, before the start; seconds : predicted [s] or None."""
+        quantity, wish = LEADING[self.case], self.wish
+        said = ", ".join(f"{name} {percent(e)}" for name, e in self.predicted.items())
+        lines = [
+            f"{wish}: {self.family}, cells of {1e3 * self.size:.3g} mm = "
+            f"{self.ratio:.3g} of {1e3 * self.length:.3g} mm; predicted errors: {said}"
+            + (f"; about {_time(seconds)}" if seconds is not None else "")
+        ]
+        spread, doubt = (self.law.spread, self.law.doubt) if self.laws else (0.0, 0.0)
+        if spread > POOR:
+            lines.append(f"of {quantity} another start alone changes {percent(spread)}")
+        if doubt > POOR:
+            lines.append(
+                f"errors of {quantity} were measured against a value that is itself known to "
+                f"{percent(doubt)}: take them for a guess"
+            )
+        if not self.kept:
+            law = self.law
+            if law.spread >= (0.0 if isinstance(self.asked, str) else self.asked):
+                why = f"runs from another start differ by {percent(law.spread)}"
+            else:
+                why = f"cells so fine have not been measured; these leave {percent(self.error)}"
+            lines.append(f"{wish} of {quantity} cannot be promised: {why}")
+        return lines
+
+    def summary(self, estimated, how):
+        """`accuracy` of summary.json: estimated : relative error reached, or None; how : text."""
+        return {
+            "asked": self.asked,
+            "of": LEADING[self.case],
+            "predicted": self.error if self.laws else None,
+            "predicted_all": self.predicted,
+            "promised": self.promised,
+            "another_start_changes": self.law.spread if self.laws else None,
+            "measured_against_known_to": self.law.doubt if self.laws else None,
+            "estimated": estimated,
+            "how": how,
+            "cell_size": self.size,
+        }
+
+
+def choose(
+    case, asked, length, sensitivity=1.0, own=0.0, families=None, work=None, table=TABLE
+):  # fmt: skip
+    """The cheapest setting for an error.
+
+    Parameters
+    ----------
+    case : key of LEADING; asked : relative error, 'N%' or a word; length : l [m]
+    sensitivity, own : see the header
+    families : those to choose from, None: the first measured
+    work : function (family, ratio) -> cost to compare families by, needed for several
+
+    Raises
+    ------
+    ValueError for an error that is none
+    """
+    error = relative_error(asked)
+    if case == "walk" and asked in GARMENT:
+        # a word fixes the cells; what errors they leave is told if it has been measured
+        measured = next(iter(laws(case, table, needed=False).values()), {})
+        return Choice(case, "quads", asked, length, GARMENT[asked], True, laws=measured)
+    known = laws(case, table)
+    found = []
+    for family in families or [next(iter(known))]:
+        law = known[family][LEADING[case]]
+        ratio, kept = law.ratio(error, sensitivity, own)
+        found.append(
+            Choice(case, family, asked, length, ratio, kept, sensitivity, own, known[family])
+        )
+    if len(found) == 1:
+        return found[0]
+    return min(found, key=lambda c: (not c.kept, work(c.family, c.ratio)))
+
+
+def relative_error(asked):
+    """Relative error of a number, a word or 'N%'; ValueError for anything else."""
+    if isinstance(asked, str):
+        if asked in WORDS:
+            return WORDS[asked]
+        try:
+            error = float(asked.removesuffix("%")) / 100 if asked.endswith("%") else 0.0
+        except ValueError:
+            error = 0.0
+    else:
+        error = asked if isinstance(asked, float) else 0.0
+    if not 0 < error < 1:
+        raise ValueError(f"draft, standard, fine or a percentage as '2%', not {asked!r}")
+    return error
+
+
+def told(entry):
+    """A line for a person after a run, from `Choice.summary`."""
+    if entry["predicted"] is None:
+        return f"error of {entry['of']}: not measured, measured.csv has none of this case"
+    line = f"error of {entry['of']}: predicted {percent(entry['predicted'])}"
+    if entry["estimated"] is not None:
+        line += f", estimated {percent(entry['estimated'])}"
+    return f"{line} ({entry['how']})"
+
+
+def percent(error):
+    """An error as a text."""
+    return f"{100 * error:.2g} %" if error < 0.995 else f"{100 * error:.0f} %"
+
+
+def _time(value):
+    return f"{value:.2g} s" if value < 100 else f"{value / 60:.2g} minutes"

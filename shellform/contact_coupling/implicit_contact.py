@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Contact under implicit steps: nodes held at the body while it pushes, Eqs. 15 and 16.
+
+The solve of a step finds positions. A node in contact is held in it: in the plane tangent to the
+body at its foot (slip, with kinetic friction as a load) or at its place on the body (stick). Which
+nodes are held, and how, is an active set: solved, judged by the reactions R, solved again until
+nothing changes. A node that ends inside, or has passed through, is held; one with R . n <= 0 is
+released; one that sticks slips where R leaves the cone of static friction; one that slips sticks
+where friction would turn it around.
+
+The force of contact enters positions as in backward Euler: what stopped a node in one step is not
+in the acceleration that the next step starts from, which would make the force ring at +-2 dt. It is
+carried on where contact persists, so a node at rest is predicted to rest.
+
+Velocities follow by impulses: v_free, advanced over the step by all forces but contact, becomes
+admissible against the velocity of the surface at the end of the step, normals first, then friction
+(friction.py). These impulses are booked: momentum closes to roundoff, a node at rest gets its
+weight times dt. Positions that were not moved by velocities (the way out, the part of a step before
+a node is met) carry no momentum, but forces do work on that way; it is booked with the impact loss.
+"""
+
+import time
+
+from mpi4py import MPI
+
+import numpy as np
+
+from contact.body.pose_check import require_no_jump
+from contact.solver import active_set, held_nodes
+from contact.solver.contact_ledger import Ledger
+from contact.solver.friction import coefficients
+from contact.solver.held_nodes import FIXED, OPEN
+
+ROUNDS = 30  # solves of a step before it counts as failed
+NEAR = 1e-6  # of the scene's length: error of the place of a node on a curved surface
+SOFT = 0.02  # relative change of friction loads at which they are settled
+SMALLEST = 1 / 64  # part of the largest step from which on unsettled contact is taken as it is
+
+
+class ImplicitTouch:
+    """Contact of an ImplicitNewmark with a body; stands where `touch.Touch` stands in a ledger.
+
+    Parameters
+    ----------
+    stepper : ImplicitNewmark
+    body : contact.body.segments.Body
+    friction : float or (mu_s, mu_k)
+    offset : float [m] or None: half the fabric's thickness
+    recovery : float, greatest speed at which a node that starts a step inside is moved out [m/s]
+
+    Attributes
+    ----------
+    correction : self, for the ledger
+    last, window : contact.solver.node_contact.Ledger of the last step, of all since `reset`
+    segment : (n_owned,), segment that holds a node, -1 without contact
+    active, sticking : nodes held after the last step, of these in stick
+    rounds : int, active sets tried so far; unsettled : int, steps taken with a set still changing
+    max_depth : float, deepest start of the last step below the offset surface [m]
+    seconds : float, spent outside the solves
+    """
+
+    pinched = 0
+
+    def __init__(self, stepper, body, friction=0.3, offset=None, recovery=0.1):
+        n, shell = stepper.n_owned, stepper.shell
+        if stepper.instant != 1.0:
+            raise ValueError("midpoint steps know no contact; take ImplicitNewmark")
+        if stepper.contact is not None:
+            raise ValueError("this stepper has a body already; give all segments to one Body")
+        if not recovery > 0:
+            raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
+        offset = 0.5 * shell.fabric.thickness if offset is None else float(offset)
+        if not 0 <= offset < np.inf:
+            raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
+        self.body, self._radii = body, np.ascontiguousarray(body.radii, float)
+        self._law = (*coefficients(friction), offset, float(recovery))
+        self._set = held_nodes.new(n)
+        self._set.state[shell.supports.held[:n, :3].any(axis=1)] = FIXED
+        self._kept = held_nodes.copy(self._set)
+        self._near = NEAR * shell.partition.length
+        self._axes, self._held = np.empty((n, 3, 3)), np.empty((n, 3), bool)
+        self._goal = np.empty((n, 3))
+        self.last, self.window = Ledger(n, len(body)), Ledger(n, len(body))
+        self._start, self._end = body.new_pose(), body.new_pose()
+        self.correction, self.seconds = self, 0.0
+        self.active = self.sticking = self.rounds = self.unsettled = 0
+        self.max_depth = self.pinch_depth = 0.0
+        stepper.contact = self
+
+    @property
+    def segment(self):
+        return np.where(self._set.state > OPEN, self._set.owner[:, 0], -1)
+
+    def reset(self):
+        """Begin a new window."""
+        self.window.clear()
+
+    def solve(self, stepper, dt):
+        """Solve a step for positions with its set; Newton iterations, in all and in the
+        hardest solve, or None if it fails.
+        """
+        eq, comm, total = stepper.equilibrium, stepper.shell.comm, 0
+        most, clock = 0, time.perf_counter()
+        self.body.pose(stepper.time, self._start)
+        self.body.pose(stepper.time + dt, self._end)
+        require_no_jump(self.body.names, self._radii, self._start, self._end, stepper.time, dt)
+        x0 = stepper.points + stepper.owned[:, :3]
+        held_nodes.take(self._kept, self._set)
+        poses = (*self._start[:2], *self._end[:2], self._radii)
+        self.max_depth = active_set.begin(x0, *poses, self._law, dt, self._set)
+        for k in range(ROUNDS):
+            self._constrain(stepper)
+            self.seconds += time.perf_counter() - clock
+            done = stepper.newton.solve(stepper.time + dt)
+            clock = time.perf_counter()
+            stepper.solves += 1
+            self.rounds += 1
+            if done is None:
+                return None
+            total, most = total + done.iterations, max(most, done.iterations)
+            x1 = stepper.points + stepper.owned[:, :3]
+            changed, gap, soft = active_set.judge(
+                x0, x1, eq.contact_force(), eq.factor[:, 0], *poses, self._law, self._set
+            )
+            changed = comm.allreduce(changed)
+            gap, soft = comm.allreduce(gap, MPI.MAX), comm.allreduce(soft, MPI.MAX)
+            if not changed and gap <= self._near and (soft <= SOFT or k >= 2):
+                break
+        else:
+            if dt > SMALLEST * stepper.largest_dt:
+                stepper.newton.reason = "contact changed in every solve"
+                return None
+            self.unsettled += 1
+        self.seconds += time.perf_counter() - clock
+        return total, most
+
+    def _constrain(self, stepper):
+        held_nodes.constrain(stepper.points, self._set, self._axes, self._held, self._goal)
+        stepper.equilibrium.hold(self._axes, self._held, self._goal)
+        stepper.equilibrium.rubbing = self._set.load
+
+    def push(self, stepper, v_old, mean, moved, dt):
+        """Impulses of a solved step, booked; `stepper.v` is changed.
+
+        Parameters
+        ----------
+        v_old : (n_owned, 3), velocities at the start; mean : (n_owned, 3), acceleration over the
+            step by all forces but contact; moved : (n_owned, 3) [m], the step's displacement
+
+        Returns
+        -------
+        (n_owned, 3), part of contact in the acceleration that the next step starts from [m/s^2]
+        """
+        clock = time.perf_counter()
+        last, window = self.last, self.window
+        last.clear()
+        pushed = np.zeros_like(v_old)
+        self.active, self.sticking = held_nodes.push(
+            stepper.points + stepper.owned[:, :3], stepper.v, v_old, mean, moved, stepper.a,
+            stepper.mass, dt, *self._end[::2], self._end.spins, self._law, self._kept.state,
+            self._set, last.impulse, last.table, pushed,
+        )  # fmt: skip
+        held_nodes.take(self._set, self._kept)
+        last.seconds = dt
+        window.seconds += dt
+        window.impulse += last.impulse
+        window.table += last.table
+        self.seconds += time.perf_counter() - clock
+        return pushed

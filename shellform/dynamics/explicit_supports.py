@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Held and moving nodes in explicit steps: which velocities are the supports', and what they are.
+
+A node of prescribed motion gets the velocity that brings it where it is due at the end of a step;
+the impulse that takes, and the moment on its director, is the supports'.
+"""
+
+from mpi4py import MPI
+
+import numpy as np
+
+from shellform.fem.director import logarithmic_map, tangent_frames
+
+
+def conditions(supports, n, comm):
+    """Held components (n, 4) bool (u_x, u_y, u_z, director) and normals (n, 3) for directors.
+
+    A director does not turn towards its normal; zero where there is none.
+
+    Raises
+    ------
+    ValueError on all ranks for inclined supports and for displacements that do not tell a time
+    """
+    if comm.allreduce(bool(supports.inclined.any()), op=MPI.LOR):
+        raise ValueError("explicit steps hold displacements along x, y, z only")
+    if supports.steady_goals():
+        raise ValueError("in dynamics a prescribed displacement is a function of time")
+    held, plane = supports.held[:n], np.nan_to_num(supports.plane[:n])
+    fixed = np.column_stack([held[:, :3], held[:, 3] & held[:, 4]])
+    return fixed, np.where(held[:, 4:] & ~held[:, 3:4], plane, 0.0)
+
+
+def follow(stepper, dt, kicked):
+    """Velocities that bring nodes of prescribed motion where they are due after dt [s].
+
+    `kicked` [s] is the time over which the last kick added its forces, `stepper.r`.
+    """
+    for local, u, d in stepper.shell.supports.prescribed(stepper.time + dt):
+        mine = local < stepper.n_owned
+        nodes = local[mine]
+        if u is not None:
+            v = (u[mine] - stepper.owned[nodes, :3]) / dt
+            push = stepper.mass[nodes, None] * (v - stepper.v[nodes])
+            stepper.support_impulse[nodes] += push
+            stepper.v[nodes] = v
+        if d is not None:
+            now, old = stepper.owned[nodes, 3:], stepper.q[nodes]
+            T = tangent_frames(now)
+            q = np.einsum("nij,nj->ni", T, logarithmic_map(now, T, d[mine])) / dt
+            stepper.q[nodes] = q
+            # what turns them works against the sheet and their inertia
+            inner = 0.5 * kicked * np.vdot(stepper.r[nodes, 3:], old + q)
+            gained = 0.5 * stepper.inertia[nodes] @ np.sum(q**2 - old**2, axis=1)
+            stepper.works[0] -= inner
+            stepper.works[3] += inner + gained

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Equilibrium with the inertia of an implicit step, and with nodes held by contact: Eqs. 10, 13.
+
+Directors move along great circles: the turn from the director at the start of the step, a vector in
+its tangent plane, takes the place of a displacement. Parallel transport along the circle brings
+vectors from one tangent plane to another.
+
+Contact holds nodes in planes that change from solve to solve. So every node has axes of its own for
+its displacement (Q of equilibrium.py), the world's until contact turns them.
+"""
+
+from types import SimpleNamespace
+
+from mpi4py import MPI
+
+import numpy as np
+
+from dolfinx import fem
+
+from shellform.fem import director
+from shellform.fem.director import carry, turn_to
+from shellform.statics.equilibrium import Equilibrium
+from shellform.statics.tangent_map import TangentMap
+
+NEGLIGIBLE = 1e-13  # of the scene's length: a held node this near to its place is there
+
+
+class Inertial(Equilibrium):
+    """Equilibrium of a shell with inertia and moving constraints.
+
+    Attributes
+    ----------
+    factor : (n_owned, 6) or None, inertia over beta dt^2
+    start_d : (n_owned, 3), directors at the start of the step
+    ahead_u, ahead_d : (n_owned, 3), predicted displacement [m] and predicted turn [rad], a vector
+        tangent to start_d
+    rubbing : (n_owned, 3) or None, friction on nodes that slip [N]
+    """
+
+    factor = rubbing = None
+
+    def __init__(self, shell):
+        super().__init__(shell)
+        supports = shell.supports
+        self.moves, self.has_goal = self.has_goal, True
+        self.held, self.Q = supports.held.copy(), supports.Q.copy()
+        self._Q_owned = self.Q[: self.n_owned]
+        self._fixed = supports.held[: self.n_owned, :3].any(axis=1)
+        self._in_contact, self._contact_goal = None, None
+        self._axes = fem.Function(shell.space)
+        self.P.matrix.destroy()
+        self.P = _TurningMap(shell, self.length)
+        self.set_base()
+
+    # -- inertia ----------------------------------------------------------------------------------
+
+    def configure(self, x):
+        """Set w and the frames from the unknowns, and where inertia would have them."""
+        super().configure(x)
+        if self.factor is not None:
+            self.predict()
+
+    def predict(self):
+        """Put the field that inertia pulls the present one to into `inertia`."""
+        d = self._w()[: self.n_owned, 3:]
+        pull = carry(turn_to(self.start_d, d) - self.ahead_d, self.start_d, d)
+        self.inertia = (self.factor, np.hstack([self.ahead_u, d - pull]))
+
+    def forces(self, stress_from=None):
+        """See Equilibrium; less the friction on nodes that slip."""
+        r6 = super().forces(stress_from)
+        if self.rubbing is not None:
+            r6[:, :3] -= self.rubbing
+        return r6
+
+    def free_part(self, rates):
+        """Of rates (n_owned, 6) of w, the part along the unknowns that supports leave free."""
+        supports, n = self.shell.supports, self.n_owned
+        T, Q = self.T[:n], supports.Q[:n]
+        rates = director.pull_back(rates, T, Q)
+        rates[supports.held[:n]] = 0.0
+        return director.push_forward(rates, T, Q)
+
+    # -- contact ----------------------------------------------------------------------------------
+
+    def hold(self, axes, held, goal):
+        """Hold nodes along axes of their own, until the next call; all ranks call.
+
+        Parameters
+        ----------
+        axes : (n_owned, 3, 3), rows orthonormal and right-handed
+        held : (n_owned, 3) bool; goal : (n_owned, 3), displacement along the axes [m]
+            Nodes that supports hold in any direction are left as they are.
+        """
+        n, free = self.n_owned, ~self._fixed
+        first_two = self._axes.x.array.reshape(-1, 6)
+        first_two[:n] = self.Q[:n, :2].reshape(-1, 6)
+        first_two[:n][free] = axes[free, :2].reshape(-1, 6)
+        if self.shell.comm.size > 1:
+            self._axes.x.scatter_forward()
+        self.Q[:, :2] = first_two.reshape(-1, 2, 3)
+        self.Q[:, 2] = np.cross(self.Q[:, 0], self.Q[:, 1])
+        self._in_contact = held & free[:, None]
+        self._contact_goal = goal
+        self.held[:n, :3] = self.shell.supports.held[:n, :3] | self._in_contact
+        self.P.turn(self._Q_owned, ~self.held[:n])
+
+    def contact_force(self):
+        """Forces (n_owned, 3) [N] that hold nodes in contact, at the last residual."""
+        if self._in_contact is None:
+            return np.zeros((self.n_owned, 3))
+        along = np.where(self._in_contact, self.reaction[:, :3], 0.0)
+        return np.einsum("nji,nj->ni", self._Q_owned, along)
+
+    def _set_goal(self):
+        super()._set_goal()
+        if self._in_contact is not None:
+            goal = self.goal[: self.n_owned, :3]
+            goal[self._in_contact] = self._contact_goal[self._in_contact]
+
+    def _lift(self, x, r5):
+        held = self.held[: self.n_owned]
+        gap = np.where(held, x.array_r.reshape(-1, 5) - self.goal[: self.n_owned], 0.0)
+        largest = self.shell.comm.allreduce(np.abs(gap).max(initial=0.0), op=MPI.MAX)
+        if largest > NEGLIGIBLE * self.length:
+            super()._lift(x, r5)
+
+
+class _TurningMap(TangentMap):
+    """P of nodes whose axes may turn between solves."""
+
+    def __init__(self, shell, length):
+        supports, n = shell.supports, len(shell.supports.held)
+        every = SimpleNamespace(inclined=np.ones(n, bool), Q=supports.Q, held=supports.held)
+        stand_in = SimpleNamespace(
+            partition=shell.partition, supports=every, space=shell.space, comm=shell.comm
+        )
+        super().__init__(stand_in, length)
+
+    def turn(self, Q, free):
+        """Take axes Q (n_owned, 3, 3) and the unknowns that are free (n_owned, 5)."""
+        self._free = free
+        for i in range(3):
+            for j in range(3):
+                self._values[self._start[:, i] + j] = Q[:, j, i] * free[:, j]

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The elements: which strain is evaluated where in the cell, with which stiffness, Eqs. 3, 12.
+
+Cell         shear               membrane                       bending
+triangle     3 corners (MITC3)   arcs of the sides              turning of the sides
+quad         4 corners (MITC4)   arcs at the corners            turning at 2x2 Gauss
+             or the same         chords at 2x2 Gauss            plain or turning at 2x2 Gauss
+9-node quad  2 Gauss x 3         2x3 and 3x2 Gauss, mixed       3x3 Gauss
+             Simpson lines       products at 2x2
+             (mixed at 2x2, capped)
+
+The places were chosen by measurement on distorted meshes: shear on Gauss lines locks there, so does
+chord membrane under folds across the mesh; uniform 2x2 leaves 9-node quads four spurious modes.
+
+FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silently; so terms are
+grouped by rule and every rule becomes a form of its own.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import ufl
+from dolfinx import fem
+
+from . import strains
+
+GAUSS2 = ((0.5 - 0.5 / np.sqrt(3), 0.5), (0.5 + 0.5 / np.sqrt(3), 0.5))
+GAUSS3 = ((0.5 - 0.5 * np.sqrt(0.6), 5 / 18), (0.5, 4 / 9), (0.5 + 0.5 * np.sqrt(0.6), 5 / 18))
+SIMPSON = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))
+ENDS = ((0.0, 0.5), (1.0, 0.5))
+
+
+def product_rule(first, second):
+    """Rows (p, q, weight) of the tensor rule of two one-dimensional rules on [0, 1]."""
+    return [(p, q, a * b) for p, a in first for q, b in second]
+
+
+RULES = {
+    "corners": product_rule(ENDS, ENDS),
+    "gauss2": product_rule(GAUSS2, GAUSS2),
+    "gauss23": product_rule(GAUSS2, GAUSS3),
+    "gauss32": product_rule(GAUSS3, GAUSS2),
+    "gauss3": product_rule(GAUSS3, GAUSS3),
+    "lines1": product_rule(GAUSS2, SIMPSON),
+    "lines2": product_rule(SIMPSON, GAUSS2),
+    "vertices": [(0, 0, 1 / 6), (1, 0, 1 / 6), (0, 1, 1 / 6)],
+}
+
+
+def measure(mesh, rule):
+    """UFL measure that integrates with one of the RULES."""
+    metadata = {
+        "quadrature_rule": "custom",
+        "quadrature_points": tuple((float(p), float(q)) for p, q, _ in RULES[rule]),
+        "quadrature_weights": tuple(float(w) for *_, w in RULES[rule]),
+        "quadrature_degree": 1,
+    }
+    return ufl.Measure("dx", domain=mesh, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class Term:
+    """One addend of the strain energy per area, product(strain, strain)/2, at one rule.
+
+    `strain` maps a configuration to a UFL vector, `product` is the symmetric bilinear form of its
+    stiffness.
+    """
+
+    name: str
+    strain: object
+    product: object
+    rule: str
+
+
+def energy_terms(mesh, surface, fabric, membrane, curvature, thick):
+    """Terms of the strain energy that an element and a fabric need.
+
+    Parameters
+    ----------
+    mesh : dolfinx.mesh.Mesh of the surface
+    surface, fabric, membrane, curvature, thick : see `Shell`
+
+    Returns
+    -------
+    list of Term
+    """
+    M = strains.lamina(mesh, warp_field(mesh, surface.warp) if fabric.directional else None)
+    V = strains.voigt(M)
+    matrices = ("membrane", "coupling", "bending", "third_moment", "fourth_moment", "shear")
+    A, B, D, E, F, S = (fem.Constant(mesh, np.array(getattr(fabric, m))) for m in matrices)
+    b = B if np.any(fabric.coupling) else None
+    ratio = np.trace(fabric.shear) / (fabric.bending[0, 0] + fabric.bending[1, 1])
+    cap = strains.shear_cap(mesh, fem.Constant(mesh, float(ratio)))
+    if surface.degree == 2:
+        return _nine_nodes(V, M, (A, b, D, E, F, S), cap, thick)
+    triangle = surface.kind == "triangle"
+    corners, inside = ("vertices", "vertices") if triangle else ("corners", "gauss2")
+    if triangle:
+        s = corner_offsets(mesh, "DG", strains.TRIANGLE_CORNERS)
+        gamma, kappa = strains.shear_triangle_corner(s), strains.curvature_turning_sides
+    else:
+        s = corner_offsets(mesh, "DQ", strains.QUAD_CORNERS)
+        gamma, kappa = strains.shear_quad_corner(s), strains.curvature_turning
+        cap = 1
+    kappa = strains.curvature if curvature == "plain" else kappa
+    shear = Term("shear", gamma, lambda p, q: cap * ufl.dot(M * p, S * (M * q)), corners)
+    if b is not None or thick:
+        # products of membrane and bending strain: a positive energy needs common points
+        measures = [strains.membrane_chords, kappa, strains.director_strain]
+        blocks = [[A, b, D], [b, D, E], [D, E, F]]
+        if not thick:
+            measures, blocks = measures[:2], [row[:2] for row in blocks[:2]]
+        return [
+            shear,
+            Term("membrane and bending", stacked(measures), stacked_product(V, blocks), inside),
+        ]
+    if membrane == "arcs":
+        eps, place = strains.membrane_arcs(1 if triangle else 4 * s[0] * s[1]), corners
+    else:
+        eps, place = strains.membrane_chords, inside
+    return [
+        shear,
+        Term("membrane", eps, stacked_product(V, [[A]]), place),
+        Term("bending", kappa, stacked_product(V, [[D]]), inside),
+    ]
+
+
+def _nine_nodes(V, M, stiffness, cap, thick):
+    A, b, D, E, F, S = stiffness
+    C = ufl.dot(ufl.transpose(V), ufl.dot(A, V))
+    T = ufl.dot(ufl.transpose(M), ufl.dot(S, M))
+    # the only shear term off the lines: in full it would lock thin sheets on distorted cells
+    cross = cap * T[0, 1]
+    eps, kap, gam = strains.membrane_chords, strains.curvature, strains.shear
+
+    def mixed(p, q):
+        pairs = ((0, 1), (0, 2), (1, 2))
+        return C[2, 2] * p[2] * q[2] + sum(C[i, j] * (p[i] * q[j] + p[j] * q[i]) for i, j in pairs)
+
+    terms = [
+        Term("membrane", eps, lambda p, q: C[0, 0] * p[0] * q[0], "gauss23"),
+        Term("membrane", eps, lambda p, q: C[1, 1] * p[1] * q[1], "gauss32"),
+        Term("membrane", eps, mixed, "gauss2"),
+        Term("shear", gam, lambda p, q: T[0, 0] * p[0] * q[0], "lines1"),
+        Term("shear", gam, lambda p, q: T[1, 1] * p[1] * q[1], "lines2"),
+        Term("shear", gam, lambda p, q: cross * (p[0] * q[1] + p[1] * q[0]), "gauss2"),
+        Term("bending", kap, stacked_product(V, [[D]]), "gauss3"),
+    ]
+    if thick:
+        measures = [eps, kap, strains.director_strain]
+        blocks = [[None, b, D], [b, None, E], [D, E, F]]
+    elif b is not None:
+        measures, blocks = [eps, kap], [[None, b], [b, None]]
+    else:
+        return terms
+    return [*terms, Term("coupling", stacked(measures), stacked_product(V, blocks), "gauss2")]
+
+
+def stacked(measures):
+    """Several strain measures in one vector of 3 components each."""
+
+    def strain(configuration):
+        parts = [m(configuration) for m in measures]
+        return ufl.as_vector([p[k] for p in parts for k in range(3)])
+
+    return strain
+
+
+def stacked_product(V, blocks):
+    """Product sum_ij p_i . C_ij q_j in lamina axes; None for an absent block."""
+
+    def part(strain, i):
+        return V * ufl.as_vector([strain[3 * i + k] for k in range(3)])
+
+    def product(p, q):
+        return sum(
+            ufl.dot(part(p, i), C * part(q, j))
+            for i, row in enumerate(blocks)
+            for j, C in enumerate(row)
+            if C is not None
+        )
+
+    return product
+
+
+def warp_field(mesh, warp):
+    """UFL vector of the warp direction: one for all (3,), or one a cell (m, 3)."""
+    warp = np.asarray(warp, float)
+    if warp.ndim == 1:
+        return fem.Constant(mesh, warp)
+    field = fem.Function(fem.VectorFunctionSpace(mesh, ("DG", 0), dim=3))
+    # dolfinx renumbers cells; field numbering follows its own cells
+    field.x.array.reshape(-1, 3)[:] = warp[np.asarray(mesh.topology.original_cell_index)]
+    return field
+
+
+def corner_offsets(mesh, family, table):
+    """Field with the same corner values in every cell: UFL knows no reference coordinates."""
+    space = fem.FunctionSpace(mesh, ufl.VectorElement(family, mesh.ufl_cell(), 1, dim=2))
+    field = fem.Function(space)
+    field.x.array.reshape(-1, 2)[space.dofmap.list.array.reshape(-1, len(table))] = table
+    return field
+
+
+def check_warp(surface, fabric):
+    """ValueError if a warp direction is missing or stands up from the surface in some cell."""
+    if surface.warp is None:
+        raise ValueError(
+            f"{surface.source} has no warp direction, which the fabric '{fabric.name}' needs: "
+            "give surface.replace(warp=(x, y, z))"
+        )
+    corners = surface.points[surface.cells[:, : 3 if surface.kind == "triangle" else 4]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, -1] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    warp = np.broadcast_to(surface.warp, normal.shape)
+    length = np.linalg.norm(warp, axis=1)
+    lean = np.linalg.norm(np.cross(warp, normal), axis=1)
+    bad = np.flatnonzero(~(lean > 0.1 * length))
+    if len(bad):
+        raise ValueError(
+            f"the warp {warp[bad[0]].tolist()} of cell {bad[0]} of {surface.source} points along "
+            "the surface's normal, not along the cloth: give one direction a cell, (cells, 3)"
+        )
+
+
+def terms_of(fabric, thick=False):
+    """Names of the strains whose energy a sheet of a fabric has; `thick` as for Shell."""
+    terms = ["membrane", "bending", "transverse shear"]
+    if np.any(fabric.coupling):
+        terms.append("membrane with bending")
+    return [*terms, "chi"] if thick else terms

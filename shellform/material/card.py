@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fabric cards: a TOML file whose one table says how the material is given.
+
+    name = "suiting"
+    [kes]                                   # or [isotropic] [orthotropic] [stiffness] [[ply]]
+    tensile_warp_N_per_m = 8100
+    shear_N_per_m_per_radian = 54.4
+    ...
+
+The keys of a table are the arguments of the constructor of `Fabric` it stands for, each with its
+unit; a list of `[[ply]]` tables, bottom first, makes a laminate.
+"""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+import tomllib
+from pathlib import Path
+
+from .fabric import Fabric, FabricError, Ply
+from .sheet import MATRICES
+
+_UNITS = {name: unit for name, (_, unit) in MATRICES.items()} | {
+    **dict.fromkeys(("youngs_modulus", "E1", "E2", "G12", "G13", "G23"), "Pa"),
+    "bending_stiffness": "N m",
+    "thickness": "m",
+    "density": "kg/m^3",
+    "areal_mass": "kg/m^2",
+    "angle": "degrees",
+}
+
+
+def _ply(E1, E2, nu12, G12, G13, G23, density, thickness, angle):
+    return Ply(E1, E2, nu12, G12, G13, G23, density), thickness, angle
+
+
+_MAKERS = {
+    "isotropic": Fabric.isotropic,
+    "orthotropic": Fabric.orthotropic,
+    "stiffness": Fabric.from_stiffness,
+    "kes": Fabric.from_kes,
+    "ply": _ply,
+}
+
+
+def card_keys(maker) -> dict[str, inspect.Parameter]:
+    """The keys of a maker's table: its arguments with their units, `thickness` as `thickness_m`."""
+    keys = {}
+    for name, parameter in inspect.signature(maker).parameters.items():
+        unit = _UNITS.get(name, "").replace("/", "_per_").replace("^", "").replace(" ", "_")
+        keys[f"{name}_{unit}".strip("_")] = parameter
+    keys.pop("name", None)  # stands above the table
+    return keys
+
+
+def _nearest(key: str, valid) -> str:
+    close = difflib.get_close_matches(key, valid, n=1, cutoff=0.5)
+    return f'did you mean "{close[0]}"?' if close else f"valid are {', '.join(valid)}."
+
+
+def _make(where: str, table, maker, **more):
+    keys = card_keys(maker)
+    if not isinstance(table, dict):
+        raise FabricError(f"{where}: this must be a table of keys, not {table!r}.")
+    for key in table:
+        if key not in keys:
+            raise FabricError(f'{where}: unknown key "{key}"; {_nearest(key, keys)}')
+    for key, parameter in keys.items():
+        if key not in table and parameter.default is inspect.Parameter.empty:
+            raise FabricError(f'{where}: key "{key}" is missing.')
+    try:
+        return maker(**{keys[key].name: value for key, value in table.items()}, **more)
+    except (ValueError, TypeError) as error:
+        raise FabricError(f"{where}: {error}") from error
+
+
+def fabric_from_card(card: dict, where: str = "fabric card") -> Fabric:
+    """Fabric from the contents of a card; `where` begins every message.
+
+    Raises
+    ------
+    FabricError : unknown or missing key, more or less than one table, or a value Fabric refuses.
+    """
+    name = card.get("name", Path(where).stem)
+    kinds = [key for key in card if key != "name"]
+    for kind in kinds:
+        if kind not in _MAKERS:
+            raise FabricError(f'{where}: unknown key "{kind}"; {_nearest(kind, _MAKERS)}')
+    if len(kinds) != 1:
+        raise FabricError(f"{where}: needs exactly one table of {', '.join(_MAKERS)}; has {kinds}.")
+    kind, table = kinds[0], card[kinds[0]]
+    if kind != "ply":
+        return _make(f"{where} [{kind}]", table, _MAKERS[kind], name=name)
+    if not isinstance(table, list):
+        raise FabricError(f"{where}: plies are a list, write [[ply]] above each.")
+    plies = [_make(f"{where} ply {i}", ply, _ply) for i, ply in enumerate(table, start=1)]
+    try:
+        return Fabric.laminate(plies, name=name)
+    except (ValueError, TypeError) as error:
+        raise FabricError(f"{where}: {error}") from error
+
+
+def read_fabric(path: str | Path) -> Fabric:
+    """Fabric from a card file.  Raises FabricError naming the file, FileNotFoundError without."""
+    with open(path, "rb") as file:
+        try:
+            card = tomllib.load(file)
+        except tomllib.TOMLDecodeError as error:
+            raise FabricError(f"{path}: not a TOML file: {error}.") from None
+    return fabric_from_card(card, str(path))
+
+
+CARDS = Path(__file__).parents[1] / "material/fabrics"
+
+
+def fabric_of(given, folder=Path(), where="scene"):
+    """Fabric from a Fabric, the name of a shipped card, a path, or the table of a card."""
+    if isinstance(given, Fabric):
+        return given
+    if isinstance(given, dict):
+        return fabric_from_card(given, f"{where} [fabric]")
+    if not isinstance(given, str | Path):
+        raise ValueError(f"fabric is the name of a card, a file or a table, not {given!r}")
+    shipped = CARDS / f"{given}.toml"
+    if shipped.is_file():
+        return read_fabric(shipped)
+    path = Path(folder) / given
+    if not path.is_file():
+        names = ", ".join(sorted(card.stem for card in CARDS.glob("*.toml")))
+        raise ValueError(f"no fabric '{given}': it is a file, or one of the cards {names}")
+    return read_fabric(path)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What every marker file becomes: labels, times, positions; and the checks all of them share."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+NO_NUMBER = {"", "nan", "na", "n/a", "null", "none", "-", "1.#qnan", "1.#ind"}
+ROUNDED = 0.25  # of a frame, how far rounded times lie off their even grid
+
+
+class Raw(NamedTuple):
+    """What a file holds: labels, times (n,) [s], positions (n, m, 3) in its unit, rate [Hz]."""
+
+    names: tuple
+    times: np.ndarray
+    positions: np.ndarray
+    rate: float
+    unit: str | None = None
+    up: str | None = None
+    notes: tuple = ()
+
+
+def cells_of(line):
+    return [c.strip() for c in (line.split("\t") if "\t" in line else line.split())]
+
+
+def number_of(cell):
+    """The number in a cell, NaN for a gap, None for anything else, infinity too."""
+    try:
+        number = float(cell)
+    except ValueError:
+        return np.nan if cell.lower() in NO_NUMBER else None
+    return None if np.isinf(number) else number
+
+
+def numbers_of(cells, path, line):
+    out = [number_of(c) for c in cells]
+    if None in out:
+        k = out.index(None)
+        raise ValueError(
+            f"{path}: line {line}, column {k + 1} holds {cells[k]!r}, no number; write numbers "
+            "with a point and leave a missing one empty"
+        )
+    return out
+
+
+def even_times(times, positions, rate, path):
+    """Frames on an even grid of times; frames that were left out become gaps.
+
+    A rate from the header counts, as times are often rounded to 1 ms. Without it, times that
+    rounding can have put off an even grid are taken as one.
+    """
+    steps = np.diff(times)
+    if not np.isfinite(times).all() or not (steps >= 0).all() or times[-1] <= times[0]:
+        bad = int(np.argmax(~(steps >= 0))) + 2
+        raise ValueError(f"{path}: the time of frame {bad} is missing or does not rise")
+    n, span = len(times), times[-1] - times[0]
+    if rate and abs(span * rate - (n - 1)) < max(1.0, 0.01 * n):
+        return times[0] + np.arange(n) / rate, positions, rate, []
+    even = (n - 1) / span
+    if not rate and np.abs((times - times[0]) * even - np.arange(n)).max() < ROUNDED:
+        return times[0] + np.arange(n) / even, positions, even, []
+    measured = rate or 1.0 / np.median(steps)
+    count = np.rint(steps * measured)
+    if (count < 1).any() or np.median(count) > 1 or abs(span * measured / count.sum() - 1) > 0.02:
+        if rate:
+            raise ValueError(
+                f"{path}: the header's rate is {rate:.6g} Hz and the time column runs at "
+                f"{1 / np.median(steps):.6g} Hz; correct the wrong one"
+            )
+        raise ValueError(f"{path}: the times are not evenly spaced; resample the tracks evenly")
+    rate = rate or count.sum() / span  # over the whole file, rounded times do not matter
+    place = np.concatenate([[0], np.cumsum(count)]).astype(int)
+    length, notes = place[-1] + 1, []
+    if length > n:
+        if length > 10 * n:
+            raise ValueError(f"{path}: the times leave out most frames; is the first one right?")
+        notes.append(f"{length - n} frames that the file leaves out taken for gaps")
+    out = np.full((length, *positions.shape[1:]), np.nan)
+    out[place] = positions
+    return times[0] + np.arange(length) / rate, out, rate, notes
+
+
+def named_once(raw, path):
+    """Labels without prefix, each once; of two the one that holds numbers."""
+    short = [name.split(":")[-1].strip() for name in raw.names]
+    notes = list(raw.notes)
+    prefixes = sorted({n.split(":")[0].strip() for n in raw.names if ":" in n})
+    if prefixes:
+        notes.append(f"prefix {', '.join(prefixes)} taken off the labels")
+    full = np.isfinite(raw.positions).any(axis=(0, 2))
+    keep = []
+    for k, name in enumerate(short):
+        twins = [j for j, other in enumerate(short) if other == name]
+        holding = [j for j in twins if full[j]]
+        if len(holding) > 1:
+            raise ValueError(
+                f"{path}: two markers are called '{name}' ({', '.join(raw.names[j] for j in twins)}"
+                "); export one subject, or rename one"
+            )
+        if k == (holding or twins)[0]:
+            keep.append(k)
+    return raw._replace(
+        names=tuple(short[k] for k in keep), positions=raw.positions[:, keep], notes=tuple(notes)
+    )

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From marker labels to J1, J2, M of every segment (Eq. 17): named maps, written in TOML.
+
+    [markers]   name = [labels it may have]         case, dots, dashes, underscores do not count
+    [points]    name = rule, or [rule, rule, ...]   the first one whose markers are there
+    [segments]  name = { J1 = point, J2 = point, M = point, optional = true }
+
+The rules are those of joint_centres.py. `{side}` in a name or a text stands for right and left,
+`{S}` for R and L, `{other}` for the other side. Maps in `maps/` are known by their names.
+"""
+
+import difflib
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from .joint_centres import RULES, references
+
+FOLDER = Path(__file__).parent / "maps"
+SHIPPED = ("medial", "plug-in-gait", "lateral")  # in the order they are tried
+SIDES = ({"side": "right", "other": "left", "S": "R"}, {"side": "left", "other": "right", "S": "L"})
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentMap:
+    """How points of segments follow from markers.
+
+    Parameters
+    ----------
+    name : str, for messages
+    markers : dict, marker -> tuple of labels
+    points : dict, point -> tuple of rules
+    segments : dict, segment -> dict of J1, J2, M (names of points) and optional (bool)
+    """
+
+    name: str
+    markers: dict
+    points: dict
+    segments: dict
+
+
+@cache
+def segment_map(name_or_path):
+    """A map by name ("medial", "plug-in-gait", "lateral") or from a TOML file.
+
+    Raises
+    ------
+    ValueError
+        When there is no such map, or it says something that is not understood.
+    """
+    path = FOLDER / f"{name_or_path}.toml" if str(name_or_path) in SHIPPED else Path(name_or_path)
+    if not path.is_file():
+        raise ValueError(
+            f"no map '{name_or_path}'; there are {', '.join(SHIPPED)}, or give a TOML file"
+        )
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path}: no TOML ({error})") from None
+    name = str(name_or_path) if str(name_or_path) in SHIPPED else path.name
+    return _checked(_both_sides(table), name, str(path))
+
+
+def _both_sides(value):
+    """Entries and texts with {side}, {S}, {other} written out for right and left."""
+    if isinstance(value, dict):
+        out = {}
+        for key, item in value.items():
+            for side in SIDES if "{" in key else ({},):
+                out[_fill(key, side)] = _filled(item, side)
+        return {key: _both_sides(item) for key, item in out.items()}
+    return value
+
+
+def _fill(text, side):
+    for word, meaning in side.items():
+        text = text.replace("{" + word + "}", meaning)
+    return text
+
+
+def _filled(value, side):
+    if isinstance(value, str):
+        return _fill(value, side)
+    if isinstance(value, list):
+        return [_filled(item, side) for item in value]
+    if isinstance(value, dict):
+        return {key: _filled(item, side) for key, item in value.items()}
+    return value
+
+
+def _closest(word, words):
+    found = difflib.get_close_matches(word, sorted(words), 1, 0.0)
+    return found[0] if found else "nothing"
+
+
+def _checked(table, name, where):
+    for key in table:
+        if key not in ("markers", "points", "segments", "summary"):
+            raise ValueError(
+                f"{where}: unknown key '{key}'; a map has summary, markers, points and segments"
+            )
+    markers, points, segments = (dict(table.get(k, {})) for k in ("markers", "points", "segments"))
+    for key, labels in markers.items():
+        labels = [labels] if isinstance(labels, str) else labels
+        if not isinstance(labels, list) or not all(isinstance(s, str) for s in labels):
+            raise ValueError(f"{where}: marker '{key}' needs a list of labels, not {labels!r}")
+        markers[key] = tuple(labels)
+    known = {*markers, *points}
+    for key, rules in points.items():
+        if key in markers:
+            raise ValueError(f"{where}: '{key}' is a marker and a point; rename one of them")
+        points[key] = tuple(rules) if isinstance(rules, list) else (rules,)
+        for rule in points[key]:
+            _check_rule(rule, key, known, where)
+    for key, entry in segments.items():
+        entry = entry if isinstance(entry, dict) else {}
+        for word in entry:
+            if word not in ("J1", "J2", "M", "optional"):
+                raise ValueError(
+                    f"{where}: segment '{key}' has unknown key '{word}'; it takes J1, J2, M, "
+                    "optional"
+                )
+        for end in ("J1", "J2", "M"):
+            if entry.get(end) not in known:
+                said = f"'{entry[end]}', which is no point" if end in entry else "missing"
+                raise ValueError(
+                    f"{where}: {end} of segment '{key}' is {said}; closest point: "
+                    f"'{_closest(str(entry.get(end, key)), known)}'"
+                )
+    if not segments:
+        raise ValueError(f"{where}: no [segments]; give J1, J2 and M of at least one")
+    out = SegmentMap(name, markers, points, segments)
+    for key in points:
+        _check_circle(out, key, (), where)
+    return out
+
+
+def _check_rule(rule, key, known, where):
+    kinds = [word for word in RULES if isinstance(rule, dict) and word in rule]
+    if len(kinds) != 1:
+        raise ValueError(
+            f"{where}: point '{key}' has no known rule in {rule!r}; the rules are "
+            f"{', '.join(RULES)}"
+        )
+    needed, allowed = RULES[kinds[0]]
+    for word in rule:
+        if word not in (kinds[0], *needed, *allowed):
+            raise ValueError(
+                f"{where}: point '{key}' has unknown key '{word}'; '{kinds[0]}' takes "
+                f"{', '.join((*needed, *allowed)) or 'nothing else'}"
+            )
+    for word in needed:
+        if word not in rule:
+            raise ValueError(f"{where}: point '{key}' lacks '{word}' beside '{kinds[0]}'")
+    try:
+        used = references(rule)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{where}: point '{key}': {error}") from None
+    for name in used:
+        if name not in known:
+            raise ValueError(
+                f"{where}: point '{key}' uses '{name}', which is no marker and no point; closest: "
+                f"'{_closest(name, known)}'"
+            )
+
+
+def _check_circle(map, key, above, where):
+    if key in above:
+        raise ValueError(f"{where}: point '{key}' is made of itself ({' < '.join(above)})")
+    for rule in map.points.get(key, ()):
+        for name in references(rule):
+            _check_circle(map, name, (*above, key), where)

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The pressure of the cloth on the skin as a picture."""
+
+from pathlib import Path
+
+import numpy as np
+
+from .surfaces import ellipsoid_facets, new_figure, save_figure, view_axes
+from .views import fit_view, heading_at
+
+
+def pressure_figure(path, wearer, map, time, title=""):
+    """The body from front and back, coloured by the mean pressure of the clothing.
+
+    Skin that nothing touched is grey. What lies inside another ellipsoid at that time is not drawn.
+    A belt presses a thousand times harder than a leg of the trousers: the scale is logarithmic. It
+    ends at what 99 % of the area touched stay below and begins at a thousandth of that.
+
+    Parameters
+    ----------
+    path : PNG file; wearer : Wearer, or Body with names and radii of the map
+    map : pressure.Map; time : float, of the pose [s]
+
+    Raises
+    ------
+    ValueError for the map of another body
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import LogNorm
+
+    from contact.geometry.surface_patches import Patches
+
+    same = tuple(wearer.names) == map.names and np.allclose(wearer.radii, map.radii, rtol=1e-6)
+    if not same:
+        raise ValueError(
+            f"the map is of {', '.join(map.names)}, not of this wearer's ellipsoids "
+            f"{', '.join(wearer.names)} or not of their size: draw it on the wearer of its run"
+        )
+    pose, patches = wearer.new_pose(time), Patches(map.radii, map.size)
+    facets, pressures, ring = [], [], [1, 2, 0]
+    for b, radii in enumerate(map.radii):
+        # around e1, as the patches are
+        local = ellipsoid_facets(np.zeros(3), np.eye(3)[ring], radii[ring], 72)
+        own = pose.centres[b] + local @ pose.axes[b]
+        seen = np.ones(len(own), bool)
+        for other in set(range(len(map.radii))) - {b}:
+            within = (own - pose.centres[other]) @ pose.axes[other].T / map.radii[other]
+            seen &= (np.sum(within**2, axis=-1) > 1).any(axis=1)
+        facets.append(own[seen])
+        pressures.append(patches.values(b, local[seen].mean(axis=1), map.mean))
+    facets, pressures = np.concatenate(facets), np.concatenate(pressures)
+    normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+
+    touched = np.flatnonzero(map.mean > 0)
+    touched = touched[np.argsort(map.mean[touched])]
+    area = np.cumsum(map.areas[touched])
+    top = map.mean[touched[np.searchsorted(area, 0.99 * area[-1])]] if len(touched) else 1.0
+    colours = ScalarMappable(LogNorm(1e-3 * top, top, clip=True), "YlOrRd")
+    faces = colours.to_rgba(np.maximum(pressures, 1e-3 * top))
+    faces[pressures <= 0] = (0.84, 0.85, 0.86, 1.0)
+    figure, panels = new_figure(1, (9, 8), title, columns=2)
+    front = np.degrees(np.arctan2(*heading_at(wearer, time)[1::-1]))
+    for axes, label, turn in zip(panels, ("front", "back"), (0.0, 180.0), strict=True):
+        view = view_axes(front + turn, 5.0)
+        near = normal @ view[2] > 0
+        order = np.flatnonzero(near)[np.argsort(facets[near].mean(axis=1) @ view[2])]
+        shown = faces[order]
+        shown[:, :3] *= (0.75 + 0.25 * normal[order] @ view[2])[:, None]
+        axes.add_collection(
+            PolyCollection(
+                facets[order] @ view[:2].T, facecolors=shown, edgecolors=shown, linewidths=0.3
+            )
+        )
+        fit_view(axes, facets.reshape(-1, 3), (front + turn, 5.0))
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+        axes.set_title(label, fontsize=10)
+    bar = figure.colorbar(colours, ax=panels, shrink=0.6, extend="both")
+    bar.set_label(
+        f"mean pressure [Pa] over {map.seconds:.3g} s; most on a patch of "
+        f"{100 * map.size:.3g} cm: {map.mean.max():.4g} Pa"
+    )
+    save_figure(figure, Path(path))

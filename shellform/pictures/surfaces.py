@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pictures of surfaces: parallel projection, near cells drawn over far ones.
+
+matplotlib only, no finite elements: pictures can be drawn anywhere from the files of a run.
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+CLOTH, BACK, EDGE = "#7aa6c2", "#c9b79c", "#1f3440"
+
+
+def view_axes(azimuth, elevation):
+    """Right, up and towards-the-eye unit vectors (3, 3) of a parallel view; angles in degrees."""
+    a, e = np.radians([azimuth, elevation])
+    eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return np.array([right, np.cross(eye, right), eye])
+
+
+def smooth(points, directors, cells, parts):
+    """Cells cut into parts x parts facets that follow the directors.
+
+    Between two nodes the surface bulges by a (1 - a) (dx . dd) d / 2: the arc whose length the
+    membrane strain measures, not its chord.
+
+    Parameters
+    ----------
+    points, directors : (n, 3); cells : (m, 4) quads in cyclic order; parts : int
+
+    Returns
+    -------
+    facets : (m parts^2, 4, 3); sides : (k, 2, 3), pieces of the cells' sides, each side once
+    """
+    x, d = points[cells], directors[cells]
+    a = np.linspace(0, 1, parts + 1)
+    A, B = np.meshgrid(a, a, indexing="ij")
+    shape = np.stack([(1 - A) * (1 - B), A * (1 - B), A * B, (1 - A) * B])
+    place = np.einsum("kab,mki->mabi", shape, x)
+    normal = np.einsum("kab,mki->mabi", shape, d)
+
+    def bulge(i, j):
+        return 0.5 * np.sum((x[:, j] - x[:, i]) * (d[:, j] - d[:, i]), axis=1)[:, None, None]
+
+    along = A * (1 - A) * ((1 - B) * bulge(0, 1) + B * bulge(3, 2))
+    across = B * (1 - B) * ((1 - A) * bulge(0, 3) + A * bulge(1, 2))
+    place += (along + across)[..., None] * normal
+    corners = [place[:, :-1, :-1], place[:, 1:, :-1], place[:, 1:, 1:], place[:, :-1, 1:]]
+    facets = np.stack(corners, axis=3).reshape(-1, 4, 3)
+    borders = np.concatenate([place[:, :, 0], place[:, :, -1], place[:, 0], place[:, -1]])
+    ends = np.concatenate([cells[:, pair] for pair in ([0, 1], [3, 2], [0, 3], [1, 2])])
+    once = np.unique(np.sort(ends, axis=1), axis=0, return_index=True)[1]
+    sides = np.stack([borders[once, :-1], borders[once, 1:]], axis=2).reshape(-1, 2, 3)
+    return facets, sides
+
+
+def facing(facets, eye):
+    """Of the facets (m, k, 3) of a closed surface those that look at the eye (3,)."""
+    normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
+    return facets[normal @ eye > 0]
+
+
+def facets_and_sides(points, directors, cells):
+    """Facets to draw and the cells' sides, for cells with 3, 4 or 9 nodes."""
+    if cells.shape[1] == 4:
+        return smooth(points, directors, cells, 4 if len(cells) < 2000 else 1)
+    rings = {3: [[0, 1, 2]], 9: [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]]}
+    rims = {3: [0, 1, 2, 0], 9: [0, 4, 1, 5, 2, 6, 3, 7, 0]}
+    facets = np.concatenate([points[cells[:, ring]] for ring in rings[cells.shape[1]]])
+    rim = points[cells[:, rims[cells.shape[1]]]]
+    return facets, np.stack([rim[:, :-1], rim[:, 1:]], axis=2).reshape(-1, 2, 3)
+
+
+def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
+    """Draw shaded surfaces, hidden parts hidden.
+
+    Parameters
+    ----------
+    axes : matplotlib axes
+    surfaces : list of (facets (m, k, 3), sides (s, 2, 3), True for the facets' own outlines, or
+        None, front colour, back colour, back)
+        A facet shows its front colour where its normal looks at the eye. `back` [m] moves a surface
+        away from the eye when it is decided what hides what, as for a body under a cloth.
+    azimuth, elevation : float, degrees
+    """
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb, to_rgba
+
+    view = view_axes(azimuth, elevation)
+    light = view.T @ np.array([-0.3, 0.5, 0.8]) / np.linalg.norm([-0.3, 0.5, 0.8])
+    polygons, faces, edges, depths = [], [], [], []
+    for facets, sides, front, back, away in surfaces:
+        # by diagonals: a side may have no length, as at the poles of an ellipsoid
+        normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        shade = 0.5 + 0.5 * np.abs(normal @ light)
+        front_seen = (normal @ view[2] >= 0)[:, None]
+        colour = np.where(front_seen, to_rgb(front), to_rgb(back)) * shade[:, None]
+        colour = np.column_stack([colour, np.ones(len(colour))])
+        seen = facets @ view.T
+        polygons.extend(seen[:, :, :2])
+        faces.append(colour)
+        outlined = sides is True
+        edges.append(np.tile(to_rgba(EDGE), (len(facets), 1)) if outlined else colour)
+        depths.append(seen[:, :, 2].mean(axis=1) - away)
+        if sides is not None and not outlined:
+            seen = sides @ view.T
+            polygons.extend(seen[:, :, :2])
+            faces.append(np.zeros((len(sides), 4)))
+            edges.append(np.tile(to_rgba(EDGE), (len(sides), 1)))
+            # a side lies in its facets: bring it before them, not before the next cell
+            depths.append(seen[:, :, 2].mean(axis=1) + 0.5 * np.ptp(seen, axis=1).max())
+    order = np.argsort(np.concatenate(depths), kind="stable")
+    collection = PolyCollection(
+        [polygons[i] for i in order],
+        facecolors=np.concatenate(faces)[order],
+        edgecolors=np.concatenate(edges)[order],
+        linewidths=0.45,
+        closed=False,
+        joinstyle="round",
+    )
+    axes.add_collection(collection)
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    axes.set_axis_off()
+
+
+def roll_up_picture(path, frames, exact, title):
+    """Strips side by side at several load levels and their profiles over the exact circles.
+
+    Parameters
+    ----------
+    path : PNG file
+    frames : list of (label, points (n, 3), directors (n, 3), cells); node 0 at the clamp
+    exact : list of curves (k, 3), one a frame
+    title : str
+    """
+    figure, (above, below) = new_figure(2, (9, 8.5), title, height_ratios=(3, 2))
+    width = np.ptp(frames[0][1][:, 1])
+    view = (-78, 16)
+    strips = []
+    right, up, _ = view_axes(*view)
+    spacing = np.array([0.0, 5 * width, 0.0])
+    for i, (label, points, directors, cells) in enumerate(frames):
+        facets, sides = facets_and_sides(points + i * spacing, directors, cells)
+        strips.append((facets, sides, CLOTH, BACK, 0.0))
+        root = points[0] + i * spacing - [0.4 * width, 0, 0]
+        above.text(root @ right, root @ up, label, ha="right", va="center", fontsize=9)
+    draw_surfaces(above, strips, *view)
+    for (label, points, *_), curve in zip(frames, exact, strict=True):
+        side = points[np.isclose(points[:, 1], points[:, 1].min(), atol=1e-6 * width)]
+        (line,) = below.plot(curve[:, 0], curve[:, 2], lw=0.8)
+        below.plot(side[:, 0], side[:, 2], "o", ms=3, color=line.get_color(), label=label)
+    below.set_aspect("equal")
+    below.set_xlabel("x [m]")
+    below.set_ylabel("z [m]")
+    place = {"loc": "center left", "bbox_to_anchor": (1, 0.5)}
+    below.legend(title="nodes; lines: exact", fontsize=8, **place)
+    save_figure(figure, path)
+
+
+def new_figure(rows, size, title, columns=1, dpi=130, **layout):
+    """Figure without a window, and its axes."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, dpi=dpi, layout="constrained")
+    FigureCanvasAgg(figure)
+    if title:
+        figure.suptitle(title, fontsize=11)
+    return figure, figure.subplots(rows, columns, gridspec_kw=layout)
+
+
+def save_figure(figure, path):
+    """Write a PNG atomically."""
+    path = Path(path)
+    part = path.with_name(path.name + ".part")
+    figure.savefig(part, format="png")
+    os.replace(part, path)
+
+
+def ellipsoid_facets(centre, axes, radii, parts=32):
+    """Facets (m, 4, 3) of an ellipsoid; axes are rows."""
+    polar = np.linspace(0, np.pi, parts // 2 + 1)[:, None]
+    around = np.linspace(0, 2 * np.pi, parts + 1)[None, :]
+    unit = np.stack(
+        [
+            np.sin(polar) * np.cos(around),
+            np.sin(polar) * np.sin(around),
+            np.cos(polar) + 0 * around,
+        ],
+        axis=-1,
+    )
+    p = np.asarray(centre) + (unit * radii) @ np.asarray(axes)
+    return np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+
+
+def ellipsoid_outline(centre, axes, radii, eye, parts=100):
+    """Outline (parts, 3) of an ellipsoid seen along `eye` (3,); axes are rows."""
+    towards = np.asarray(axes) @ eye / radii
+    first = np.cross(towards, np.eye(3)[np.abs(towards).argmin()])
+    first /= np.linalg.norm(first)
+    second = np.cross(towards / np.linalg.norm(towards), first)
+    angle = np.linspace(0, 2 * np.pi, parts)[:, None]
+    return centre + (radii * (np.cos(angle) * first + np.sin(angle) * second)) @ np.asarray(axes)
+
+
+def drape_pictures(folder, frames, cells, body, seconds):
+    """drape.png, the last frame from two sides, and drape.gif, all frames.
+
+    Parameters
+    ----------
+    folder : path; frames : list of (points, directors); cells : (m, 4|9)
+    body : contact.body.segments.Body; seconds : float, between frames
+    """
+    pose = body.new_pose()
+    body.pose(0.0, pose)
+    skin = [
+        ellipsoid_facets(c, a, r)
+        for c, a, r in zip(pose.centres, pose.axes, body.radii, strict=True)
+    ]
+    # a cell of cloth is flat, the body is round: let the cloth win where they are this close
+    away = 0.5 * np.ptp(frames[0][0], axis=0).max() / np.sqrt(len(cells))
+    solids = [(facets, None, "#d8a48f", "#d8a48f", away) for facets in skin]
+    corners = np.concatenate([frames[0][0], frames[-1][0], *(s.reshape(-1, 3) for s in skin)])
+
+    def draw(axes, frame, azimuth, elevation):
+        cloth = facets_and_sides(*frame, cells)
+        draw_surfaces(axes, [(*cloth, CLOTH, BACK, 0.0), *solids], azimuth, elevation)
+        right, up, eye = view_axes(azimuth, elevation)
+        for c, a, r in zip(pose.centres, pose.axes, body.radii, strict=True):
+            rim = ellipsoid_outline(c, a, np.asarray(r), eye)
+            axes.plot(rim @ right, rim @ up, "--", color="#8c4a32", lw=0.7)
+        spans = corners @ right, corners @ up
+        axes.set_xlim(spans[0].min() - 0.05, spans[0].max() + 0.05)
+        axes.set_ylim(spans[1].min() - 0.05, spans[1].max() + 0.05)
+
+    figure, (left, right) = new_figure(1, (11, 5.5), "", columns=2)
+    draw(left, frames[-1], -60, 8)
+    draw(right, frames[-1], 30, 35)
+    save_figure(figure, Path(folder) / "drape.png")
+    images = []
+    for frame in frames:
+        figure, axes = new_figure(1, (5, 5), "", dpi=70)
+        draw(axes, frame, -60, 20)
+        figure.canvas.draw()
+        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
+    save_animation(images, Path(folder) / "drape.gif", seconds)
+
+
+def save_animation(images, path, seconds):
+    """Write a GIF atomically; images are (rows, columns, 3) uint8, `seconds` apart."""
+    from PIL import Image
+
+    part = path.with_name(path.name + ".part")
+    first, *rest = [Image.fromarray(image) for image in images]
+    first.save(
+        part, format="GIF", save_all=True, append_images=rest, duration=1000 * seconds, loop=0
+    )
+    os.replace(part, path)

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pictures of a dressed wearer: dressing, key frames, torque and an animation, Figs. 7, 8, 10.
+
+Drawn from the files of a run and the wearer's motion; matplotlib only.
+"""
+
+import xml.etree.ElementTree as xml
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from .surfaces import (
+    BACK,
+    CLOTH,
+    draw_surfaces,
+    ellipsoid_facets,
+    facing,
+    new_figure,
+    save_animation,
+    save_figure,
+    smooth,
+    view_axes,
+)
+from .views import VIEW, fit_view, view_from_the_right
+
+SKIN, FLOOR = "#d8a48f", "#cfd3cc"
+COLOURS = ("#1b6ca8", "#c2452d", "#3c8d40", "#8054a2")
+
+
+class Frame(NamedTuple):
+    """Cloth at a time: time [s], points (n, 3) [m], directors (n, 3), cells (m, 3 | 4 | 9)."""
+
+    time: float
+    points: np.ndarray
+    directors: np.ndarray
+    cells: np.ndarray
+
+
+def read_frames(folder, name="series"):
+    """Frames of a series in the order of their times."""
+    import meshio
+
+    folder = Path(folder)
+    frames = []
+    for entry in xml.parse(folder / f"{name}.pvd").getroot().iter("DataSet"):
+        mesh = meshio.read(folder / entry.get("file"))
+        time, cells = float(entry.get("timestep")), mesh.cells[0].data
+        frames.append(Frame(time, mesh.points, mesh.point_data["director"], cells))
+    return sorted(frames, key=lambda frame: frame.time)
+
+
+def draw_clothed(axes, frame, wearer, view=VIEW, parts=2, without=()):
+    """Draw a frame on the wearer; `without` names ellipsoids to leave out."""
+    pose = wearer.new_pose(frame.time)
+    shown = [k for k, name in enumerate(wearer.names) if name not in without]
+    skin = [ellipsoid_facets(pose.centres[k], pose.axes[k], wearer.radii[k], 24) for k in shown]
+    if frame.cells.shape[1] == 4:
+        facets, sides = smooth(frame.points, frame.directors, frame.cells, parts)
+        sides = sides if parts > 1 else True
+    else:
+        facets, sides = frame.points[frame.cells[:, :3]], None
+    size = np.linalg.norm(facets[:, 2] - facets[:, 0], axis=1).mean() * parts
+    # cells are flat and the body is round: cloth wins where they are this close
+    eye = view_axes(*view)[2]
+    solids = [(facing(patch, eye), None, SKIN, SKIN, 0.7 * size) for patch in skin]
+    draw_surfaces(axes, [(facets, sides, CLOTH, BACK, 0.0), *solids], *view)
+    return np.concatenate([frame.points, *(patch.reshape(-1, 3) for patch in skin)])
+
+
+def draw_box(axes, corner, size, view=VIEW):
+    """A box from its lowest corner (3,) and its size (3,), drawn behind all else."""
+    from matplotlib.patches import Polygon
+
+    right, up, _ = view_axes(*view)
+    x, y, z = (np.array([corner[c], corner[c] + size[c]]) for c in range(3))
+    sides = [
+        [(x[0], y[0], z[0]), (x[0], y[1], z[0]), (x[0], y[1], z[1]), (x[0], y[0], z[1])],
+        [(x[0], y[0], z[0]), (x[1], y[0], z[0]), (x[1], y[0], z[1]), (x[0], y[0], z[1])],
+        [(x[0], y[0], z[1]), (x[1], y[0], z[1]), (x[1], y[1], z[1]), (x[0], y[1], z[1])],
+    ]
+    for side, shade in zip(np.array(sides), (0.62, 0.75, 0.85), strict=True):
+        seen = np.column_stack([side @ right, side @ up])
+        axes.add_patch(Polygon(seen, facecolor=(shade,) * 3, edgecolor="0.3", lw=0.5, zorder=0))
+
+
+def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None, title=""):
+    """One figure: dressing, key frames, torque about a joint against time and frame.
+
+    Parameters
+    ----------
+    path : PNG file; wearer : Wearer
+    dressing : list of (label, Frame, names left out); key_frames : list of Frame
+    curves : list of (label, times (k,) [s], torque (k,) [N m]); joint : str
+    obstacle : (corner (3,), size (3,)) [m] or None
+    """
+    from matplotlib.figure import Figure
+
+    view = view_from_the_right(wearer)
+    heights = (1, 0.9, 0.9)[-2 if not dressing else -3 :]
+    figure = Figure(figsize=(15, 4.3 * sum(heights)), layout="constrained")
+    figure.suptitle(title, fontsize=13)
+    *above, middle, below = figure.subfigures(len(heights), 1, height_ratios=heights)
+    panels = []
+    if dressing:
+        above[0].suptitle("Dressing", fontsize=10)
+        panels = above[0].subplots(1, len(dressing), squeeze=False)[0]
+    for axes, (label, frame, without) in zip(panels, dressing, strict=True):
+        corners = draw_clothed(axes, frame, wearer, view, without=without)
+        fit_view(axes, corners, view)
+        axes.set_title(label, fontsize=9)
+    rate = wearer.recording.rate
+    middle.suptitle("Key frames, with their numbers", fontsize=10)
+    panels = middle.subplots(1, len(key_frames), squeeze=False)[0]
+    right, up, _ = view_axes(*view)
+    for axes, frame in zip(panels, key_frames, strict=True):
+        corners = draw_clothed(axes, frame, wearer, view)
+        centre = corners.mean(axis=0)
+        if obstacle is not None:
+            corner, size = obstacle
+            if abs(corner[0] + 0.5 * size[0] - centre[0]) < 0.6:
+                draw_box(axes, corner, size, view)
+        low = (corners @ up).min()
+        axes.set_xlim(centre @ right - 0.48, centre @ right + 0.48)
+        axes.set_ylim(low - 0.05, low + 1.4)
+        axes.set_title(f"{frame_number(frame.time, rate)}", fontsize=9, y=-0.08)
+    axes = below.subplots()
+    for (label, times, torque), colour in zip(curves, COLOURS, strict=False):
+        axes.plot(times, torque, lw=1.2, label=label, color=colour)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(f"torque about the {joint.replace('_', ' ')} [N m],\nflexion positive")
+    axes.axhline(0, color="0.6", lw=0.6)
+    for frame in key_frames:
+        axes.axvline(frame.time, color="0.85", lw=0.8, zorder=0)
+    axes.legend(frameon=False)
+    twin = axes.secondary_xaxis("top", functions=(lambda t: t * rate, lambda number: number / rate))
+    twin.set_xlabel("frame")
+    save_figure(figure, Path(path))
+
+
+def frame_number(time, rate):
+    """Number of the frame of the recording at a time [s]."""
+    return round(time * rate)
+
+
+def walk_animation(path, wearer, frames, seconds, obstacle=None):
+    """GIF of a walk, the camera moving along; `seconds` between frames."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    images, view = [], view_from_the_right(wearer)
+    right, up, _ = view_axes(*view)
+    figure = Figure(figsize=(4, 5), dpi=70)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0, 0, 1, 1))
+    for frame in frames:
+        for drawn in [*axes.collections, *axes.patches]:
+            drawn.remove()
+        corners = draw_clothed(axes, frame, wearer, view, parts=1)
+        if obstacle is not None:
+            draw_box(axes, *obstacle, view)
+        centre = corners.mean(axis=0)
+        axes.set_xlim(centre @ right - 0.6, centre @ right + 0.6)
+        low = (corners @ up).min()
+        axes.set_ylim(low - 0.1, low + 1.4)
+        axes.set_axis_off()
+        figure.canvas.draw()
+        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
+    save_animation(images, Path(path), seconds)
+
+
+def torque_figure(path, torques, joints, title=""):
+    """Flexion torque and power of all joints, a column a joint.
+
+    torques : list of (label, rows as of torque.csv)
+    """
+    figure, grid = new_figure(1, (14, 5), title, columns=len(joints))
+    for axes, joint in zip(np.atleast_1d(grid), joints, strict=True):
+        for (label, rows), colour in zip(torques, COLOURS, strict=False):
+            own = [(row["time"], row["torque_flexion"]) for row in rows if row["joint"] == joint]
+            axes.plot(*np.transpose(own), lw=0.9, label=label, color=colour)
+        axes.set_title(joint.replace("_", " "), fontsize=9)
+        axes.axhline(0, color="0.6", lw=0.6)
+        axes.set_xlabel("time [s]", fontsize=8)
+        axes.tick_params(labelsize=7)
+    np.atleast_1d(grid)[0].set_ylabel("flexion torque [N m]", fontsize=8)
+    np.atleast_1d(grid)[0].legend(frameon=False, fontsize=8)
+    save_figure(figure, Path(path))
+
+
+def draw_all(folder, wearer, dressing, run, torques, joint, title, count=9):
+    """walk.png, torque.png and walk.gif in a folder.
+
+    Parameters
+    ----------
+    folder : path; wearer : Wearer
+    dressing : see `walk_figure`; run : folder with the series to draw
+    torques : dict, label -> rows of torque.csv; joint : str, of walk.png
+    """
+    folder = Path(folder)
+    frames = [frame for frame in read_frames(run) if frame.time >= wearer.start - 1e-9]
+    picked = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
+    curves = []
+    for label, rows in torques.items():
+        own = [(row["time"], row["torque_flexion"]) for row in rows if row["joint"] == joint]
+        curves.append((label, *np.transpose(own)))
+    box = obstacle_of(wearer.recording)
+    keys = [frames[k] for k in picked]
+    walk_figure(folder / "walk.png", wearer, dressing, keys, curves, joint, box, title)
+    torque_figure(folder / "torque.png", list(torques.items()), wearer.joints)
+    seconds = (frames[-1].time - frames[0].time) / max(1, len(frames) - 1)
+    walk_animation(folder / "walk.gif", wearer, frames, seconds, box)
+
+
+def obstacle_of(recording, width=0.9):
+    """Lowest corner (3,) and size (3,) [m] of the obstacle of a synthetic walk, or None."""
+    facts = recording.facts.get("obstacle")
+    if not facts:
+        return None
+    corner = np.array([facts["front"], -0.5 * width, 0.0])
+    return corner, np.array([facts["depth"], width, facts["height"]])

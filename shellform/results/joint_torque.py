@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Torque that the clothing exerts about each joint of the wearer, Fig. 9 of the paper.
+
+    tau_J = sum over AJ of (x_i - J) x f_i
+
+f_i is the force on the body at node i and AJ the nodes that count for joint J. The paper leaves AJ
+open. Here it is a set of ellipsoids, by default all below the joint (`distal`): for the knee what
+acts on shank and foot. Then tau_J . omega_J, with omega_J the turning of the segment below against
+the one above, is the power that the clothing gives the joint; its negative part is resistance.
+
+Contact is booked as impulses in every step, so the torque of a step is exact in x_i and f_i. What
+is reported is the mean over a window between two records, without any other filter.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+
+from .files import write_atomically
+
+AXES = "xyz"
+COLUMNS = ("time", "joint", "torque_x", "torque_y", "torque_z", "torque_flexion", "power")
+
+
+@njit(cache=True, error_model="numpy")
+def add_torque(table, centres, counts, joints, axes, spins, total):
+    """Add a step's torque impulses on the wearer about all joints.
+
+    Parameters
+    ----------
+    table : (m, >= 6), impulse [N s] of every segment on the cloth and its moment about the
+        segment's centre [N m s]
+    centres : (m, 3) [m]; counts : (k, m) bool, segments that count for a joint
+    joints, axes : (k, 3), centres [m] and flexion axes; spins : (k, 3) [rad/s]
+    total : (k, 5), added to: torque impulse (3), about the flexion axis [N m s], work [J]
+    """
+    moment = np.empty(3)
+    for j in range(len(joints)):
+        moment[:] = 0.0
+        for b in range(len(centres)):
+            if not counts[j, b]:
+                continue
+            for c in range(3):
+                d, e = (c + 1) % 3, (c + 2) % 3
+                arm_d, arm_e = centres[b, d] - joints[j, d], centres[b, e] - joints[j, e]
+                # minus: the segment receives the opposite of what the cloth does
+                moment[c] -= table[b, 3 + c] + arm_d * table[b, e] - arm_e * table[b, d]
+        for c in range(3):
+            total[j, c] += moment[c]
+            total[j, 3] += moment[c] * axes[j, c]
+            total[j, 4] += moment[c] * spins[j, c]
+
+
+class Torque:
+    """Hook behind a `Touch`: joint torques of every step, averaged between records.
+
+    Parameters
+    ----------
+    touch : Touch whose body is a `shellform.motion.wearer.Wearer`
+    parts : 'distal', all ellipsoids below a joint; 'child', those of the segment just below; or a
+        dict, joint -> names of ellipsoids
+    path : CSV file for the rows, written by rank 0, or None
+    resumed : state of a run that is gone on with, see `saved`; rows up to its time stay in the file
+
+    Attributes
+    ----------
+    joints : tuple of str; rows : list of dict with the keys COLUMNS, a row a joint and record
+    parts : dict, joint -> names of the ellipsoids that count
+
+    Raises
+    ------
+    ValueError for an unknown joint, ellipsoid or kind of parts
+    """
+
+    def __init__(self, touch, stepper, parts="distal", path=None, resumed=None):
+        wearer = touch.correction.body
+        self.touch, self.wearer, self.joints = touch, wearer, wearer.joints
+        self.parts = chosen_parts(wearer, parts)
+        self.counts = np.array(
+            [[name in self.parts[joint] for name in wearer.names] for joint in self.joints]
+        ).reshape(len(self.joints), len(wearer.names))
+        self.total, self.seconds = np.zeros((len(self.joints), 5)), 0.0
+        self._joints, self._comm = wearer.new_joints(), stepper.shell.comm
+        self.rows = []
+        self.path = None if path is None or self._comm.rank else Path(path)
+        if resumed is not None:
+            self.rows = rows_until(path, stepper.time)
+            self.total[:] = resumed["torque"] if self._comm.rank == 0 else 0.0
+            self.seconds = float(resumed["torque_seconds"])
+        if self.path:
+            write_atomically(self.path, ",".join(COLUMNS) + "\n" + "".join(map(line, self.rows)))
+        stepper.hooks.append(self)
+
+    def __call__(self, stepper, dt):
+        correction = self.touch.correction
+        now = self.wearer.joint_state(stepper.time, self._joints)
+        centres, table = correction.start_pose.centres, correction.last.table
+        add_torque(table, centres, self.counts, *now, self.total)
+        self.seconds += dt
+
+    def record(self, time):
+        """Rows of the window that ends at `time` [s], one a joint; begins a new window."""
+        total = self._comm.allreduce(self.total) / max(self.seconds, 1e-300)
+        rows = [
+            dict(zip(COLUMNS, (time, joint, *row), strict=True))
+            for joint, row in zip(self.joints, total.tolist(), strict=True)
+        ]
+        self.rows += rows
+        self.total[:], self.seconds = 0.0, 0.0
+        if self.path:
+            with open(self.path, "a") as file:
+                file.write("".join(line(row) for row in rows))
+        return rows
+
+    def state(self):
+        """Sums of the open window on this rank, for `restore` (copies)."""
+        return self.total.copy(), self.seconds
+
+    def restore(self, state):
+        """Continue from `state()`."""
+        self.total[:], self.seconds = state
+
+    def saved(self):
+        """Sums of the open window over all ranks, for `resumed`; all ranks call."""
+        return {"torque": self._comm.allreduce(self.total), "torque_seconds": self.seconds}
+
+
+def rows_until(path, time):
+    """Rows of a torque.csv up to a time [s]."""
+    with open(path) as file:
+        rows = list(csv.DictReader(file))
+    rows = [{k: v if k == "joint" else float(v) for k, v in row.items()} for row in rows]
+    return [row for row in rows if row["time"] <= time + 1e-9]
+
+
+def chosen_parts(wearer, parts):
+    """joint -> names of the ellipsoids that count, see `Torque`."""
+    if parts == "distal":
+        return {joint: wearer.below(joint) for joint in wearer.joints}
+    if parts == "child":
+        return {joint: wearer.just_below(joint) for joint in wearer.joints}
+    if not isinstance(parts, dict):
+        raise ValueError(f"parts of a torque are 'distal', 'child' or a table, not {parts!r}")
+    for joint, names in parts.items():
+        if joint not in wearer.joints:
+            raise ValueError(f"no joint '{joint}'; there are: {', '.join(wearer.joints)}")
+        for name in names:
+            wearer.index(name)
+    return {joint: list(parts.get(joint, wearer.below(joint))) for joint in wearer.joints}
+
+
+def line(row):
+    """A row of torque.csv."""
+    values = (row[key] for key in COLUMNS)
+    return ",".join(v if isinstance(v, str) else f"{v:.10g}" for v in values) + "\n"
+
+
+def resistance(rows, joint, strides=(), start=None):
+    """What the clothing costs a joint, integrated over time.
+
+    Parameters
+    ----------
+    rows : see `Torque`; joint : str
+    strides : (start, end) times [s] of the strides to report one by one; a window belongs to the
+        stride in which it ends
+    start : float [s] or None, begin of the first window; None: it is as long as the second
+
+    Returns
+    -------
+    dict with `peak_torque`, `rms_torque` [N m] of the flexion component, `work` [J] given to the
+    joint, `resistance` [J], the sum of its negative parts by window, and `strides`, a list of the
+    same for each stride
+
+    Raises
+    ------
+    ValueError when there is no row of the joint, or one only and no `start`
+    """
+    own = [row for row in rows if row["joint"] == joint]
+    if not own:
+        known = sorted({row["joint"] for row in rows})
+        raise ValueError(f"no torque about a joint '{joint}'; there are: {', '.join(known)}")
+    time = np.array([row["time"] for row in own])
+    torque = np.array([row["torque_flexion"] for row in own])
+    power = np.array([row["power"] for row in own])
+    if start is None:
+        if len(time) == 1:
+            raise ValueError(
+                f"one window of '{joint}' does not tell how long it is: give its start"
+            )
+        start = 2 * time[0] - time[1]
+    width = np.diff(time, prepend=start)
+
+    def summary(mask):
+        if not mask.any():
+            return {"peak_torque": 0.0, "rms_torque": 0.0, "work": 0.0, "resistance": 0.0}
+        t, p, w = torque[mask], power[mask], width[mask]
+        return {
+            "peak_torque": float(t[np.abs(t).argmax()]),
+            "rms_torque": float(np.sqrt(np.sum(w * t * t) / np.sum(w))),
+            "work": float(np.sum(w * p)),
+            "resistance": float(-np.sum(w * np.minimum(p, 0.0))),
+        }
+
+    return summary(np.ones(len(own), bool)) | {
+        "strides": [summary((time > a + 1e-9) & (time <= b + 1e-9)) for a, b in strides]
+    }

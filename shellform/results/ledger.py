@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The ledger of a run: momentum, energy and contact forces at every output time, ledger.csv.
+
+Momentum closes step by step: m v(n+1/2) - m v(0) is the sum of the impulses of loads, supports,
+drag and contact. What is left over is the column `momentum_residual`, roundoff. Energies and works
+are given at the output time. The work of all forces is the change of kinetic energy to roundoff;
+the internal ones take the change of strain energy, `damping_loss` by stiffness damping, and the
+error of the time steps, which is `energy_residual`:
+
+    kinetic + strain - start = external + support + body - friction - impact - drag - damping
+                               + energy_residual.
+
+Works and losses add up from the start, those of contact from the row before. Supports that move are
+booked with their velocity of the last half step, an error of first order.
+
+The work of a follower pressure is booked with the internal forces: with one, energy_residual holds
+it too.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from .files import write_atomically
+
+AXES = "xyz"
+
+
+class Ledger:
+    """Columns of a moving shell, one row an output time.
+
+    Parameters
+    ----------
+    path : CSV file, written by rank 0; None: rows are only returned
+    stepper : Newmark or ImplicitNewmark
+    touch : Touch or None
+    resumed : state of a run that is gone on with, see `saved`; its rows stay in the file
+
+    Attributes
+    ----------
+    rows : list of dict
+    """
+
+    def __init__(self, path, stepper, touch=None, resumed=None):
+        self.stepper, self.touch, self.rows = stepper, touch, []
+        self._path = None if path is None or stepper.shell.comm.rank else Path(path)
+        if resumed is None:
+            self._contact, self._contact_work = np.zeros(3), 0.0
+            self._start = self._momentum(), self._impulses(), stepper.balance()
+            if self._path:
+                self._path.unlink(missing_ok=True)
+            return
+        kinds, numbers, sums = (resumed[f"ledger_{name}"] for name in ("kinds", "start", "sums"))
+        start = dict(zip(kinds.tolist(), numbers[12:].tolist(), strict=True))
+        self._start = numbers[:3], numbers[3:12].reshape(3, 3), start
+        self._contact, self._contact_work = sums[:3].copy(), float(sums[3])
+        with open(path) as file:
+            rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+        self.rows = [row for row in rows if row["time"] <= stepper.time + 1e-9]
+        if self._path and self.rows:
+            head = ",".join(self.rows[0]) + "\n"
+            write_atomically(self._path, head + "".join(map(_line, self.rows)))
+
+    def record(self):
+        """Append a row for the present time and begin a new window of contact; all ranks call."""
+        stepper, comm = self.stepper, self.stepper.shell.comm
+        start, now = self._start[2], stepper.balance()
+        impulses = self._impulses() - self._start[1]
+        momentum = self._momentum()
+        row = {"time": stepper.time, "kinetic": now["kinetic"], "strain": now["strain"]}
+        change = {kind: now[kind] - start[kind] for kind in now}
+        row |= {"external_work": change["external"], "support_work": change["support"]}
+        row |= {"drag_loss": change["drag"], "damping_loss": change["damping"]}
+        friction = impact = moved = 0.0
+        if self.touch is not None:
+            correction = self.touch.correction
+            window = correction.window
+            table = comm.allreduce(window.table)
+            seconds = max(window.seconds, 1e-300)
+            self._contact += table[:, :3].sum(axis=0)
+            moved, friction, impact = table[:, 6].sum(), table[:, 7].sum(), table[:, 8].sum()
+            for name, force in zip(correction.body.names, table[:, :6] / seconds, strict=True):
+                for k in range(3):
+                    row[f"force_{name}_{AXES[k]}"] = force[k]
+                    row[f"moment_{name}_{AXES[k]}"] = force[3 + k]
+            row["active"] = comm.allreduce(correction.active)
+            row["pinched"] = comm.allreduce(correction.pinched)
+            correction.reset()
+        row |= {"body_work": moved, "friction_loss": friction, "impact_loss": impact}
+        self._contact_work += moved - friction - impact
+        left = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
+        for k in range(3):
+            row[f"momentum_{AXES[k]}"] = momentum[k]
+            row[f"support_impulse_{AXES[k]}"] = impulses[1, k]
+        row["momentum_residual"] = float(np.linalg.norm(left))
+        gain = change["kinetic"] + change["strain"] - self._contact_work
+        given = change["external"] + change["support"] - change["drag"] - change["damping"]
+        row["energy_residual"] = gain - given
+        self.rows.append(row)
+        if self._path:
+            first = len(self.rows) == 1
+            with open(self._path, "a") as file:
+                file.write((",".join(row) + "\n" if first else "") + _line(row))
+        return row
+
+    def saved(self):
+        """What a later part of the run needs, for `resumed`."""
+        momentum, impulses, start = self._start
+        return {
+            "ledger_start": np.concatenate([momentum, impulses.ravel(), list(start.values())]),
+            "ledger_kinds": np.array(list(start)),
+            "ledger_sums": np.append(self._contact, self._contact_work),
+        }
+
+    def _impulses(self):
+        """Impulses of loads, supports and drag so far (3, 3) [N s], over all ranks."""
+        stepper = self.stepper
+        own = [stepper.external_total, stepper.support_total, stepper.drag_total]
+        return stepper.shell.comm.allreduce(np.array(own))
+
+    def _momentum(self):
+        stepper = self.stepper
+        return stepper.shell.comm.allreduce(stepper.mass @ stepper.v)
+
+
+def _line(row):
+    return ",".join(f"{value:.12g}" for value in row.values()) + "\n"

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pressure of the clothing on the wearer's skin, as a map that rides on the ellipsoids.
+
+In each step the impulse J on a node in contact is split at its closest point, with the normal n of
+the node's segment, into J . n, which presses, and the rest, which rubs. Both are shared out among
+the four nearest patches (geometry/surface_patches.py): forces add up exactly, a peak is spread over
+about one patch. Patches smaller than a cell of the cloth show its nodes.
+
+A node in a crease between two ellipsoids presses on the one that `Correction.segment` names, with
+the part of J along that one's normal; what is left of the push by the other is counted as rubbing.
+A patch that another ellipsoid covers in part has its force divided by its whole area.
+
+Impulses add up over a window between two records. Ranks are added together at a record only.
+"""
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from contact.geometry.ellipsoid import foot_and_normal
+from contact.geometry.surface_patches import Patches, four_nearest
+
+NORMAL, RUBBED, COVERED, BOOKED = 0, 1, 2, 3
+
+
+@njit(cache=True, error_model="numpy")
+def add_pressure(
+    points, w, segment, impulse, mass, dt, centres, axes, radii, heights, sectors, rows, columns,
+    first, which, weights, total,
+):  # fmt: skip
+    """Add a step's impulses on the wearer to the patches.
+
+    Parameters
+    ----------
+    points, w : (n, 3), (n, >= 3), reference positions and displacements at the start [m]
+    segment : (n,) int, -1 without contact; impulse : (n, 3), on the cloth [N s]; mass : (n,) [kg]
+    centres, axes : pose of the ellipsoids at the start; radii ... first : see `Patches`
+    which, weights : (4,), scratch
+    total : (P, BOOKED), added to: normal impulse, size of the rest [N s], mass x time [kg s]
+    """
+    for i in range(len(segment)):
+        b = segment[i]
+        if b < 0:
+            continue
+        y0 = y1 = y2 = n0 = n1 = n2 = 0.0
+        for c in range(3):
+            arm = points[i, c] + w[i, c] - centres[b, c]
+            y0 += axes[b, 0, c] * arm
+            y1 += axes[b, 1, c] * arm
+            y2 += axes[b, 2, c] * arm
+        _, x0, x1, x2, n0, n1, n2 = foot_and_normal(
+            y0, y1, y2, radii[b, 0], radii[b, 1], radii[b, 2]
+        )
+        four_nearest(
+            x0, x1, x2, b, radii, heights, sectors, rows, columns, first, which, weights
+        )  # fmt: skip
+        normal = square = 0.0
+        for c in range(3):
+            normal += impulse[i, c] * (n0 * axes[b, 0, c] + n1 * axes[b, 1, c] + n2 * axes[b, 2, c])
+            square += impulse[i, c] * impulse[i, c]
+        rubbed = np.sqrt(max(square - normal * normal, 0.0))
+        for a in range(4):
+            total[which[a], NORMAL] += weights[a] * normal
+            total[which[a], RUBBED] += weights[a] * rubbed
+            total[which[a], COVERED] += weights[a] * mass[i] * dt
+
+
+class Map(NamedTuple):
+    """What P patches have felt; see `Patches` for where they are.
+
+    names : ellipsoids; radii (m, 3), size [m] : arguments of `Patches`
+    owner (P,), centres (P, 3) [m], areas (P,) [m^2] : of the patches
+    mean : (P,), mean pressure [Pa]; peak : (P,), greatest mean of a window [Pa]; peak_time : (P,),
+        end of that window [s]
+    rubbing : (P,), mean size of the tangential force by area [Pa]
+    share : (P,), part of time and area in contact, by the area at rest of the cloth that touches;
+        cloth that rattles counts in the steps in which it touches
+    seconds : float, time covered [s]
+    """
+
+    names: tuple
+    radii: np.ndarray
+    size: float
+    owner: np.ndarray
+    centres: np.ndarray
+    areas: np.ndarray
+    mean: np.ndarray
+    peak: np.ndarray
+    peak_time: np.ndarray
+    rubbing: np.ndarray
+    share: np.ndarray
+    seconds: float
+
+
+class Pressure:
+    """Hook behind a `Touch`: pressure of every step on the body's patches, averaged.
+
+    Parameters
+    ----------
+    touch : Touch, contact at nodes; stepper : its stepper
+    size : float, side of a patch [m]
+    resumed : state of a run that is gone on with, see `saved`
+
+    Attributes
+    ----------
+    patches : Patches; total : (P, BOOKED), the open window on this rank
+
+    Raises
+    ------
+    ValueError for contact inside cells, patches without a size, a state of other patches
+    """
+
+    def __init__(self, touch, stepper, size=0.03, resumed=None):
+        if touch.inner is not None:
+            raise ValueError(
+                "a pressure map is made of contact at nodes: leave out the samples inside cells"
+            )
+        correction = touch.correction
+        self.touch, self.names = touch, correction.body.names
+        self.patches = patches = Patches(correction.body.radii, size)
+        self._areal_mass, self._comm = stepper.shell.fabric.areal_mass, stepper.shell.comm
+        P = len(patches.areas)
+        self.total, self.seconds = np.zeros((P, BOOKED)), 0.0
+        # of closed windows, over all ranks: sums, peak and its time
+        self._sums, self._whole = np.zeros((P, BOOKED)), 0.0
+        self._peak, self._peak_time = np.zeros(P), np.full(P, np.nan)
+        self._which, self._weights = np.zeros(4, np.int64), np.zeros(4)
+        if resumed is not None:
+            self._resume(resumed)
+        stepper.hooks.append(self)
+
+    def __call__(self, stepper, dt):
+        correction = self.touch.correction
+        pose = correction.start_pose
+        add_pressure(
+            stepper.points, stepper.owned, correction.segment, correction.last.impulse,
+            stepper.mass, dt, pose.centres, pose.axes, *self.patches.tables, self._which,
+            self._weights, self.total,
+        )  # fmt: skip
+        self.seconds += dt
+
+    def record(self, time):
+        """Close the window that ends at `time` [s], begin a new one; all ranks call.
+
+        Returns
+        -------
+        (P,) float, mean pressure of the window [Pa]
+        """
+        total = self._comm.allreduce(self.total)
+        span, areas = max(self.seconds, 1e-300), self.patches.areas
+        mean = total[:, NORMAL] / (areas * span)
+        higher = mean > self._peak
+        self._peak[higher], self._peak_time[higher] = mean[higher], time
+        # cloth that lies double covers no more than all of a patch
+        cover = total[:, COVERED] / self._areal_mass
+        total[:, COVERED] = np.minimum(cover, areas * self.seconds)
+        self._sums += total
+        self._whole += self.seconds
+        self.total[:], self.seconds = 0.0, 0.0
+        return mean
+
+    def result(self):
+        """Map of all closed windows."""
+        patches, span = self.patches, max(self._whole, 1e-300)
+        mean, rubbing, share = (self._sums / (patches.areas[:, None] * span)).T.copy()
+        return Map(
+            tuple(self.names), patches.radii, patches.size, patches.owner, patches.centres,
+            patches.areas, mean, self._peak.copy(), self._peak_time.copy(), rubbing, share,
+            self._whole,
+        )  # fmt: skip
+
+    def state(self):
+        """The open window on this rank, for `restore` (copies)."""
+        return self.total.copy(), self.seconds
+
+    def restore(self, state):
+        """Continue from `state()`."""
+        self.total[:], self.seconds = state
+
+    def saved(self):
+        """Open and closed windows over all ranks, for `resumed`; all ranks call."""
+        return {
+            "pressure_open": self._comm.allreduce(self.total),
+            "pressure_sums": self._sums,
+            "pressure_peak": np.column_stack([self._peak, self._peak_time]),
+            "pressure_seconds": np.array([self.seconds, self._whole]),
+            "pressure_size": np.array(self.patches.size),
+        }
+
+    def _resume(self, state):
+        if "pressure_open" not in state:
+            raise ValueError("the checkpoint holds no pressure map: go on without one")
+        if state["pressure_open"].shape != self.total.shape:
+            raise ValueError(
+                f"the checkpoint has a pressure map of {len(state['pressure_open'])} patches of "
+                f"{float(state['pressure_size'])} m, not {len(self.total)} of "
+                f"{self.patches.size} m: go on with its size"
+            )
+        self.total[:] = state["pressure_open"] if self._comm.rank == 0 else 0.0
+        self._sums[:] = state["pressure_sums"]
+        self._peak[:], self._peak_time[:] = state["pressure_peak"].T
+        self.seconds, self._whole = state["pressure_seconds"].tolist()
+
+
+def save(path, map):
+    """Write a Map as .npz, one array a field, atomically."""
+    path = Path(path)
+    part = path.with_name(path.name + ".part")
+    with open(part, "wb") as file:
+        np.savez_compressed(file, **map._asdict())
+    os.replace(part, path)
+
+
+def load(path):
+    """Map from a file that `save` wrote."""
+    with np.load(path) as file:
+        fields = {name: file[name] for name in Map._fields}
+    fields["names"] = tuple(fields["names"].tolist())
+    return Map(**fields | {name: float(fields[name]) for name in ("size", "seconds")})
+
+
+def summary(map):
+    """Ellipsoid -> mean normal force [N], peak pressure [Pa], its place and time, contact area.
+
+    The place is given from the centre of the ellipsoid in its segment's axes [m]; place and time
+    are None where nothing touched. Contact area [m^2] is a mean over time.
+    """
+    found = {}
+    for b, name in enumerate(map.names):
+        own = np.flatnonzero(map.owner == b)
+        k = own[map.peak[own].argmax()]
+        touched = map.peak[k] > 0
+        found[name] = {
+            "normal_force": float(np.sum(map.mean[own] * map.areas[own])),
+            "peak_pressure": float(map.peak[k]),
+            "peak_place": map.centres[k].tolist() if touched else None,
+            "peak_time": float(map.peak_time[k]) if touched else None,
+            "contact_area": float(np.sum(map.share[own] * map.areas[own])),
+        }
+    return found

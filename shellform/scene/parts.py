@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The parts of a scene: motion, person, garment, contact, steps, output."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+def with_unit(default, unit):
+    return field(default=default, metadata={"unit": unit})
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A captured motion, or the synthetic walk of `shellform.motion.gait.synthetic_walk`.
+
+    file : 'synthetic' or a C3D, TRC or CSV file; map : name or file of a segment map, None: the one
+    that fits; unit, up : of the file, where it does not tell; cutoff : of the low-pass [Hz];
+    max_gap : longest gap filled [s]; start, end : part of the recording used [s]; lead_in : time
+    from standing into its first frame [s]; strides, obstacle (height [m], 0 for none) : of the
+    synthetic walk.
+    """
+
+    file: str | Path = "synthetic"
+    map: str | Path | None = None
+    unit: str | None = None
+    up: str | None = None
+    cutoff: float = with_unit(6.0, "Hz")
+    max_gap: float = with_unit(0.1, "s")
+    start: float | None = with_unit(None, "s")
+    end: float | None = with_unit(None, "s")
+    lead_in: float = with_unit(1.0, "s")
+    strides: int = 4
+    obstacle: float = with_unit(0.5, "m")
+
+
+@dataclass(frozen=True)
+class Person:
+    """Size of the wearer: stature [m], None: from the recording; mass [kg]; girths by name [m]."""
+
+    stature: float | None = with_unit(None, "m")
+    mass: float | None = with_unit(None, "kg")
+    girths: dict = field(default_factory=dict, metadata={"unit": "m"})
+
+
+@dataclass(frozen=True)
+class Garment:
+    """Trousers by size or girths, or a mesh file.
+
+    file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
+    size : of `meshes.trousers`; measures : arguments of it [m]; cell_size : of the cells [m], None:
+    by the accuracy.
+    """
+
+    file: str | Path | None = None
+    unit: str = "m"
+    waist: str = "waist"
+    size: str | None = None
+    measures: dict = field(default_factory=dict, metadata={"unit": "m"})
+    cell_size: float | None = with_unit(None, "m")
+
+
+@dataclass(frozen=True)
+class Contact:
+    """How cloth meets the body.
+
+    friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
+    thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see contact/solver/soft_crease.py.
+    """
+
+    friction: float = 0.3
+    kinetic_friction: float | None = None
+    offset: float | None = with_unit(None, "m")
+    flesh_stiffness: float = with_unit(2e5, "Pa/m")
+
+
+@dataclass(frozen=True)
+class Steps:
+    """How motion is computed.
+
+    accuracy : 'draft', 'standard', 'fine' or 'N%', see accuracy.py; time_step_factor : of the
+    largest stable step; damping : stiffness-proportional [s]; drag : of the air [1/s]; dressing :
+    'shell' or 'particles', the model that puts the garment on.
+    """
+
+    accuracy: str = "draft"
+    time_step_factor: float = 0.9
+    damping: float = with_unit(0.0, "s")
+    drag: float = with_unit(0.3, "1/s")
+    dressing: str = "shell"
+
+
+@dataclass(frozen=True)
+class Output:
+    """What is told: window of the averages [s], pictures a second, which parts count for a joint.
+
+    parts : 'distal', 'child' or a table, joint -> ellipsoids; pressure : side of a patch of the map
+    of pressure on the skin [m], 0 for no map; checkpoint : time between them [s].
+    """
+
+    window: float = with_unit(0.02, "s")
+    frames: float = with_unit(10.0, "1/s")
+    parts: str | dict = "distal"
+    pressure: float = with_unit(0.03, "m")
+    checkpoint: float = with_unit(0.5, "s")
+
+
+PARTS = {
+    "motion": Motion,
+    "person": Person,
+    "garment": Garment,
+    "contact": Contact,
+    "steps": Steps,
+    "output": Output,
+}

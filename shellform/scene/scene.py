@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The scene: wearer, motion, garment, fabric, belt, and how it is to be computed and told.
+
+A Scene is a value, made in Python or read from a TOML file (scene_file.py). Everything in it is
+checked when it is made; nothing is computed. `build.py` turns it into arrays and finite elements.
+"""
+
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+
+from shellform.accuracy.choice import choose, garment_length
+from shellform.material.fabric import Fabric
+from shellform.material.sheet import Sheet
+
+from .checks import check_kinds, check_numbers
+from .parts import PARTS, Contact, Garment, Motion, Output, Person, Steps, with_unit
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A clothed wearer in motion; see the parts.
+
+    Parameters
+    ----------
+    fabric : Fabric, or the name or path of a card; belt : tension [N]; gravity : [m/s^2]
+
+    Raises
+    ------
+    ValueError naming the part, the item and the mend
+    """
+
+    fabric: Fabric | str | Path = "compliant"
+    motion: Motion = field(default_factory=Motion)
+    person: Person = field(default_factory=Person)
+    garment: Garment = field(default_factory=Garment)
+    contact: Contact = field(default_factory=Contact)
+    steps: Steps = field(default_factory=Steps)
+    output: Output = field(default_factory=Output)
+    belt: float = with_unit(20.0, "N")
+    gravity: float = with_unit(9.81, "m/s^2")
+    title: str = "walk"
+
+    def __post_init__(self):
+        for part in fields(self):
+            value = getattr(self, part.name)
+            if part.name in PARTS and not isinstance(value, PARTS[part.name]):
+                raise ValueError(f"{part.name} is a {PARTS[part.name].__name__}, not {value!r}")
+        if not isinstance(self.fabric, Sheet | str | Path):
+            raise ValueError(f"fabric is a Fabric or the name of a card, not {self.fabric!r}")
+        check_kinds(self)
+        check_numbers(self)
+
+    @property
+    def cell_size(self):
+        """Size of the garment's cells [m]."""
+        return self.garment.cell_size or self.choice.size
+
+    @property
+    def choice(self):
+        """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
+        from shellform.material.card import fabric_of
+
+        length = garment_length(fabric_of(self.fabric))
+        choice = choose("walk", self.steps.accuracy, length)
+        given = self.garment.cell_size
+        return replace(choice.at(given), asked=None, kept=True) if given else choice

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From a scene to its parts: the wearer in motion, the garment where it will be worn, the plan.
+
+Only what the scene asks for is imported, read and made. Everything a user can get wrong about body
+and garment is found here, before any computation.
+"""
+
+import numpy as np
+
+from shellform.material.card import fabric_of
+from shellform.motion import anthropometry
+from shellform.motion.capture.standing_start import lead_in
+from shellform.motion.gait.synthetic_walk import standing_of, synthetic_walk
+from shellform.motion.recording import SIDES, Recording
+from shellform.motion.wearer import Wearer
+from shellform.results.joint_torque import chosen_parts
+
+from .reach import reachable
+
+
+def wearer_of(scene):
+    """Wearer of a scene, who starts from standing.
+
+    Raises
+    ------
+    ValueError, FileNotFoundError for a capture that cannot be read, or a part of it that is empty
+    """
+    motion, person = scene.motion, scene.person
+    if motion.file == "synthetic":
+        recording = synthetic_walk(
+            **({} if person.stature is None else {"stature": person.stature}),
+            strides=motion.strides,
+            obstacle=motion.obstacle,
+            obstacle_stride=min(3, motion.strides),
+        )
+        recording = cut(recording, motion.start, motion.end)
+    else:
+        from shellform.motion.capture.read_motion import read_motion
+
+        window = None
+        if motion.start is not None or motion.end is not None:
+            window = (
+                -np.inf if motion.start is None else motion.start,
+                np.inf if motion.end is None else motion.end,
+            )
+        recording = read_motion(
+            motion.file, motion.map, motion.unit, motion.up, motion.cutoff, motion.max_gap, window
+        )
+    standing = standing_of(recording)
+    if not at_rest(recording, standing):
+        recording = lead_in(recording, standing, motion.lead_in)
+    wearer = Wearer(recording, ellipsoids_of(scene, recording))
+    chosen_parts(wearer, scene.output.parts)  # a joint that is not there is told before dressing
+    return wearer
+
+
+def ellipsoids_of(scene, recording):
+    """Ellipsoids of the wearer of a scene who stands in the first frame, as rows for `Wearer`."""
+    person = scene.person
+    right, left = (recording.points[f"{side}_thigh"][0, 0] for side in SIDES)
+    return anthropometry.ellipsoids(
+        {name: length for name, (length, _) in recording.lengths().items()},
+        stature=person.stature or recording.facts.get("stature"),
+        mass=person.mass,
+        girths=person.girths or None,
+        hip_spacing=float(np.linalg.norm(right - left)),
+    )
+
+
+def dressed_wearer(scene, wearer, surface):
+    """The wearer with only the ellipsoids that the garment can come to; the same if these are all.
+
+    What `reachable` leaves out is kept where a table of parts names it.
+    """
+    near = reachable(wearer, surface, scene.belt)
+    names = {wearer.names[k] for k in np.flatnonzero(near)}
+    if isinstance(scene.output.parts, dict):
+        names |= {name for named in scene.output.parts.values() for name in named}
+    return part_of(scene, wearer, names)
+
+
+def part_of(scene, wearer, names):
+    """The wearer with only the ellipsoids of these names; the same if these are all."""
+    if set(names) >= set(wearer.names):
+        return wearer
+    rows = ellipsoids_of(scene, wearer.recording)
+    return Wearer(wearer.recording, [row for row in rows if row[0] in names])
+
+
+def cut(recording, start=None, end=None):
+    """Part of a recording between two times [s]; ValueError if that holds less than two frames."""
+    times = recording.times
+    keep = times >= (-np.inf if start is None else start - 1e-9)
+    keep &= times <= (np.inf if end is None else end + 1e-9)
+    if keep.sum() < 2:
+        raise ValueError(
+            f"{recording.source} lasts from {times[0]:.3f} to {times[-1]:.3f} s: motion.start = "
+            f"{start} and motion.end = {end} leave less than two frames of it"
+        )
+    points = {name: track[keep] for name, track in recording.points.items()}
+    return Recording(times[keep], points, recording.source, recording.notes, recording.facts)
+
+
+def at_rest(recording, standing, near=1e-6):
+    """True if a recording begins in the standing pose, at rest."""
+    return all(
+        np.abs(track[:2] - standing[name]).max() < near for name, track in recording.points.items()
+    )
+
+
+def fabric(scene):
+    """Fabric of a scene."""
+    return fabric_of(scene.fabric)

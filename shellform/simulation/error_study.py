@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What an error costs in a scene of one's own: `shellform trade scene.toml`.
+
+Cells follow from the errors measured (accuracy.py), nodes and steps from the scene built once:
+nodes go with h^-2, the stable step with h. With `--measure` the cheapest settings are run, and what
+they differ by stands beside what was predicted.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from shellform.accuracy import measured
+from shellform.accuracy.choice import GARMENT, LEADING
+from shellform.accuracy.error_law import FLAT, left
+from shellform.accuracy.prediction import DRESSED
+from shellform.results.files import write_atomically
+from shellform.results.joint_torque import rows_until
+
+from .model import Activity
+from .summary import summary_of
+
+PERCENT = ("10%", "3%", "1%", "0.3%")
+COARSEST = 0.04  # m, of cells that still make trousers
+
+
+def options(scene, activity, seconds):
+    """Rows of a table: what is asked, cells, errors, step, time, memory; coarse words first.
+
+    Parameters
+    ----------
+    scene : Scene; activity : Activity of it; seconds : motion and dressing [s]
+    """
+    size, dt = scene.cell_size, activity.stepper.dt
+    nodes, rows = len(activity.surface.points), []
+    for asked in (*GARMENT, *PERCENT):
+        choice = replace(
+            scene,
+            garment=replace(scene.garment, cell_size=None),
+            steps=replace(scene.steps, accuracy=asked),
+        ).choice
+        many = nodes * (size / choice.size) ** 2
+        step = dt * choice.size / size
+        row = {"asked": asked, "choice": choice, "nodes": many, "time_step": step}
+        if choice.laws:
+            work = choice.case, choice.family, many
+            row["core_seconds"] = measured.seconds(*work, seconds / step)
+            row["memory_mb"] = measured.memory(*work)
+        rows.append(row)
+    return rows
+
+
+def lines(scene, rows, ranks):
+    """Lines of the table for a person."""
+    said = [
+        f"{scene.title}: error of {LEADING['walk']} (root mean square over that of the curve)",
+        f"{'asked':>9}  {'error':>6}  {'kept':>4}  {'cells mm':>8}  {'nodes':>6}  {'step s':>8}  "
+        f"{'minutes':>7}  {'MB':>5}   on {ranks} {'rank' if ranks == 1 else 'ranks'}",
+    ]
+    for row in rows:
+        choice = row["choice"]
+        word = row["asked"] in GARMENT
+        kept = "" if word else ("yes" if choice.kept else "no")
+        minutes = row.get("core_seconds", np.nan) / 60 / ranks
+        said.append(
+            f"{row['asked']:>9}  {100 * choice.error:5.0f}%  {kept:>4}  {1e3 * choice.size:8.1f}  "
+            f"{row['nodes']:6.0f}  {row['time_step']:8.1e}  {minutes:7.1f}  "
+            f"{row.get('memory_mb', np.nan):5.0f}"
+        )
+    known = rows[0]["choice"].laws
+    if known:
+        spreads = ", ".join(f"{name} {100 * law.spread:.2g} %" for name, law in known.items())
+        said.append(f"another start alone changes: {spreads}")
+        law = known[LEADING["walk"]]
+        said.append(f"errors were measured against a torque known to {100 * law.doubt:.2g} %")
+    broken = [row["choice"] for row in rows if not row["choice"].kept]
+    return said + (broken[0].lines()[-1:] if broken else [])
+
+
+def trade(scene, comm, out=None):
+    """Lines of the table of a scene; all ranks call; with `out` the two cheapest are run there.
+
+    Raises
+    ------
+    as `activity.run`
+    """
+    from . import run as activity
+
+    check_cells(scene, "the trade")
+    built = Activity(scene, comm)
+    seconds = built.wearer.end - built.wearer.start + DRESSED
+    rows = options(scene, built, seconds)
+    said = lines(scene, rows, comm.size)
+    if out is None:
+        return said
+    del built
+    sizes = sorted({round(row["choice"].size, 6) for row in rows}, reverse=True)[:2]
+    runs = []
+    for size in sizes:
+        folder = Path(out) / f"cells_{1e3 * size:.3g}_mm"
+        one = replace(scene, garment=replace(scene.garment, cell_size=size))
+        activity.run(one, folder, comm)
+        comm.Barrier()
+        runs.append((size, folder))
+    said.append("measured: cells mm, minutes, torques differ from those of the next finer cells by")
+    for (size, folder), after in zip(runs, [*runs[1:], None], strict=True):
+        summary = summary_of(folder)
+        apart = f"{100 * difference(after[1], folder):.0f} %" if after else ""
+        minutes = summary["seconds"]["total"] / 60
+        said.append(f"{1e3 * size:12.1f}  {minutes:7.1f}  {apart}")
+    return said
+
+
+def curves(folder):
+    """Torques about the flexion axes of all joints of a run (joints, windows) [N m]."""
+    rows = rows_until(Path(folder) / "torque.csv", np.inf)
+    joints = list(dict.fromkeys(row["joint"] for row in rows))
+    return np.array([[r["torque_flexion"] for r in rows if r["joint"] == j] for j in joints])
+
+
+def difference(one, other):
+    """Root mean square of the difference of the torques of two runs, over that of the first."""
+    a, b = curves(one), curves(other)
+    return float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
+
+
+def beside(scene):
+    """The scene with other cells: of twice the size, or as large as still makes trousers.
+
+    Where the scene's own are nearly that large, cells of four fifths of the size.
+    """
+    size = min(2 * scene.cell_size, COARSEST)
+    if size < 1.1 * scene.cell_size:
+        size = 0.8 * scene.cell_size
+    return replace(scene, garment=replace(scene.garment, cell_size=size))
+
+
+def check_cells(scene, what):
+    """ValueError if the cells of a scene cannot be chosen; what : str, that needs others."""
+    if scene.garment.file:
+        raise ValueError(
+            f"{what} needs cells of other sizes, and garment.file = {scene.garment.file} has its "
+            "own: leave it out, or compare runs of your own meshes"
+        )
+
+
+def estimate(scene, out, comm):
+    """Run the scene with other cells beside, and enter what that tells into summary.json.
+
+    It takes an eighth to a half of the cost, twice it with the coarsest cells. All ranks call;
+    returns the entry.
+
+    Raises
+    ------
+    as `activity.run`; ValueError for a garment from a file
+    """
+    from . import run as activity
+
+    check_cells(scene, "an estimate")
+    out, choice, other = Path(out), scene.choice, beside(scene)
+    activity.run(other, out / "beside", comm)
+    comm.Barrier()
+    apart, how = difference(out, out / "beside"), f"cells of {1e3 * other.cell_size:.3g} mm"
+    if choice.order < FLAT:
+        # what two runs differ by then is what either is off by
+        error, how = apart, f"difference from a run with {how}, as errors show no order in the size"
+    else:
+        size = left(apart, 1 / scene.cell_size, 1 / other.cell_size, choice.order)
+        error = float(np.hypot(size, choice.law.spread if choice.laws else 0.0))
+        how = f"run with {how}; what another start changes added"
+    entry = choice.summary(error, how)
+    comm.Barrier()
+    if comm.rank == 0:
+        summary = summary_of(out) | {"accuracy": entry}
+        write_atomically(out / "summary.json", json.dumps(summary, indent=2) + "\n")
+    comm.Barrier()
+    return entry

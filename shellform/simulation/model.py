@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A scene ready to be stepped: wearer, garment, shell, stepper, contact."""
+
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dressing.belt import Belt
+from shellform.dressing.dress import Dressing, dress, settle
+from shellform.dynamics.explicit import Newmark
+from shellform.fem.shell import Shell
+from shellform.scene import wearer as build
+from shellform.scene.reach import reach_of
+
+
+class Activity:
+    """A scene ready to be stepped.
+
+    Parameters
+    ----------
+    scene : Scene; comm : MPI communicator
+
+    Attributes
+    ----------
+    wearer : Wearer of those ellipsoids that the garment can come to
+    surface, shell, stepper, touch : see build.py, Shell, Newmark, Touch
+    whole : Wearer of all of them
+    """
+
+    def __init__(self, scene, comm):
+        self.scene, self.comm = scene, comm
+        self.whole = build.wearer_of(scene)
+        self.surface = build.garment_of(scene, self.whole)
+        self.wearer = build.dressed_wearer(scene, self.whole, self.surface)
+        fabric = build.fabric(scene)
+        self.shell = Shell(self.surface, fabric, comm)
+        if scene.gravity:
+            self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
+        steps = scene.steps
+        self.stepper = Newmark(
+            self.shell, steps.time_step_factor, damping=steps.damping, drag=steps.drag
+        )
+        self.stepper.strain_energy()
+        self.touch = self._touch(self.stepper)
+
+    def _touch(self, stepper):
+        contact, owned = self.scene.contact, self.shell.partition.owned_nodes
+        friction = contact.friction
+        if contact.kinetic_friction is not None:
+            friction = (friction, contact.kinetic_friction)
+        soft = {"flesh_stiffness": contact.flesh_stiffness}
+        touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
+        touch.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
+        return touch
+
+    @property
+    def weight(self):
+        """Weight of the garment [N]."""
+        return self.comm.allreduce(self.stepper.mass.sum()) * self.scene.gravity
+
+    def dress(self, watch=None):
+        """Put the garment on; returns the report of `dressing.dress`."""
+        tension = self.scene.belt
+        if self.scene.steps.dressing == "shell":
+            self.belt, report = dress(self.stepper, self.touch, tension, watch=watch)
+            return report
+        from shellform.dynamics.mass_spring import Particles, hand_over
+
+        steps = self.scene.steps
+        particles = Particles(self.shell, steps.time_step_factor, drag=steps.drag)
+        touch = self._touch(particles)
+        _, report = dress(particles, touch, tension, watch=watch)
+        hand_over(particles, self.stepper, touch, self.touch)
+        # the shell bends where springs do not: it settles once more
+        plan = Dressing()
+        self.belt = Belt(self.stepper, "waist", tension)
+        self.stepper.time = self.wearer.start - plan.settle
+        self.stepper.advance(self.stepper.time + 0.1)
+        again = settle(self.stepper, self.touch, self.belt, plan, lambda *_: None)
+        self.stepper.drag = steps.drag
+        return again | {"seconds": report["seconds"] + 0.1 + again["seconds"]}

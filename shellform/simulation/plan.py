@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The plan: what a scene or a run models; nothing else is computed. `shellform check` prints it.
+
+A plan is a plain dict, stored under `plan` in summary.json. What a scene does not need is not in it
+and not in the run either:
+
+element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
+contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
+friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
+motion, joints    source and times; dressing, belt, outputs: how it is put on, held, told
+
+Bending is in every plan. A sheet without it folds to the size of its cells, whatever these are, and
+what is then told of folds is told of the mesh: `demos/studies/performance/what_it_saves.py`
+measures it.
+"""
+
+from shellform.fem.element import terms_of
+from shellform.scene.garment import garment_of
+
+SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
+
+
+def plan_of(scene, wearer=None, surface=None, near=None):
+    """Plan of a scene, from the scene alone; the others spare making them once more.
+
+    Parameters
+    ----------
+    scene : Scene
+    wearer : Wearer with all its ellipsoids; surface : meshes.Surface, the garment
+    near : names of those that the garment can come to
+
+    Raises
+    ------
+    ValueError as build.py does for a body or a garment that is wrong
+    """
+    from shellform.dressing.dress import Dressing
+    from shellform.scene import wearer as build
+
+    wearer = build.wearer_of(scene) if wearer is None else wearer
+    surface = garment_of(scene, wearer) if surface is None else surface
+    near = build.dressed_wearer(scene, wearer, surface).names if near is None else near
+    steps, contact, output = scene.steps, scene.contact, scene.output
+    terms = [*terms_of(build.fabric(scene)), "inertia", "rotary inertia"]
+    wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
+    plan = {
+        "element": f"{surface.kind} of degree {surface.degree}",
+        "terms": terms + [name for name, value in wanted.items() if value],
+        "contact": list(near),
+        "out_of_reach": [name for name in wearer.names if name not in near],
+    }
+    if contact.friction:
+        kinetic = contact.kinetic_friction
+        plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]
+    if len(near) > 1:
+        soft = contact.flesh_stiffness
+        plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
+    recording = wearer.recording
+    plan |= {
+        "motion": {"source": str(recording.source), "start": wearer.start, "end": wearer.end},
+        "joints": list(wearer.joints),
+        "dressing": {"model": steps.dressing, "seconds_at_most": Dressing().seconds},
+        "belt": scene.belt,
+        "outputs": ["torque.csv", "ledger.csv", "dressing.pvd", "series.pvd"],
+    }
+    if output.pressure:
+        plan["outputs"].append("pressure.npz")
+    return {name: value for name, value in plan.items() if value or value is False}
+
+
+def plan_of_run(shell, stepper=None, touch=None):
+    """Plan of a run that has no scene: of a shell at rest, or with its stepper and its contact.
+
+    Parameters
+    ----------
+    shell : Shell, loads complete; stepper : Stepper, None in statics
+    touch : Touch or ImplicitTouch, None without a body
+    """
+    plan = shell.plan()
+    if stepper is None:
+        return plan
+    if hasattr(stepper, "strain_limit"):  # Particles
+        plan = {"terms": ["springs", "inertia"], "loads": plan["loads"]}
+    else:
+        plan["terms"] += ["inertia", "rotary inertia"]
+    plan["terms"] += [name for name in ("drag", "damping") if getattr(stepper, name, 0.0)]
+    if touch is not None:
+        correction = touch.correction
+        plan["contact"] = list(correction.body.names)
+        friction = getattr(correction, "friction", correction._law)[:2]
+        if friction[0] > 0:
+            plan["friction"] = list(friction)
+    return plan
+
+
+def told(plan):
+    """Lines of a plan for a person."""
+    lines = [f"modelled   {plan.get('element', '')}: {', '.join(plan['terms'])}"]
+    if "contact" in plan:
+        lines.append(f"contact    {len(plan['contact'])} ellipsoids: {', '.join(plan['contact'])}")
+        for name in SEEN:
+            if name in plan:
+                value = plan[name]
+                value = ", ".join(map(str, value)) if isinstance(value, list) else value
+                lines.append(f"           {name.replace('_', ' ')}: {value}")
+        if "friction" not in plan:
+            lines.append("           no friction")
+        lines.append("           no contact of cloth with cloth")
+    else:
+        lines.append("contact    none")
+    if "dressing" in plan:
+        model, most = plan["dressing"].values()
+        held = f"a belt of {plan['belt']:g} N" if "belt" in plan else "no belt"
+        lines.append(f"dressing   by {model} in {most:.1f} s at most, {held}")
+    if "outputs" in plan:
+        lines.append(f"outputs    {', '.join(plan['outputs'])}")
+    return lines

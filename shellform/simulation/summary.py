@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The account of a dressed walk: results, lines for a person, pictures, from a run or its files."""
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+from shellform.motion.recording import SIDES
+from shellform.results.joint_torque import resistance
+from shellform.scene import wearer as build
+from shellform.scene.parts import PARTS
+
+from .plan import plan_of
+
+
+def summary(activity, joints, ledger, extremes, fit):
+    """Results of a run for summary.json."""
+    scene, wearer = activity.scene, activity.wearer
+    facts, weight = wearer.recording.facts, activity.weight
+    strides = stride_times(facts, wearer.end)
+    residual = max(row["momentum_residual"] for row in ledger.rows)
+    depth, pinched, pinch_depth = extremes.saved()["extremes"]
+    return {
+        "joints": {j: resistance(joints.rows, j, strides) for j in joints.joints},
+        "parts": joints.parts,
+        "window": scene.output.window,
+        "weight": weight,
+        "force_balance_error": residual / (weight * scene.output.window) if weight else residual,
+        "max_penetration": depth,
+        "pinched_most": int(pinched),
+        "pinched_depth": pinch_depth,
+        "dressing": fit,
+        "strides": strides,
+        "stride_length": facts.get("stride_length"),
+        "cadence": facts.get("cadence"),
+        "segment_lengths": wearer.recording.lengths(),
+        "notes": wearer.recording.notes,
+    }
+
+
+def stride_times(facts, end):
+    """(start, end) times [s] of the strides, from the heel strikes of one foot; [] without them."""
+    for side in SIDES:
+        strikes = sorted(t for name, t in facts.get("events", ()) if name == f"{side}_heel_strike")
+        strikes = [t for t in strikes if t <= end + 1e-9]
+        if len(strikes) > 1:
+            return list(pairwise(strikes))
+    return []
+
+
+def told(results):
+    """Lines for a person: how it went and what the garment does to every joint."""
+    fit = results["dressing"]
+    lines = [
+        f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.2f} N, "
+        f"{fit['belt_pressed']:.1f} N of it on the body; dressed in {fit['seconds']:.1f} s, cloth "
+        f"stretched by {100 * fit['stretch']:.1f} %",
+        f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body, "
+        f"{1e3 * results['pinched_depth']:.1f} mm between segments that pinch, "
+        f"{results['pinched_most']} nodes at most",
+        f"forces balance to {100 * results['force_balance_error']:.1e} % of the weight",
+    ]
+    if results["stride_length"]:
+        lines.append(
+            f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
+        )
+    lines.append(f"torque about the axis of flexion, means over {results['window']:g} s")
+    lines.append(
+        f"{'joint':>12} {'peak N m':>10} {'rms N m':>10} {'work J':>10} {'resisted J':>11}"
+    )
+    for joint, row in results["joints"].items():
+        numbers = f"{row['peak_torque']:10.3f} {row['rms_torque']:10.3f} {row['work']:10.3f}"
+        lines.append(f"{joint:>12} {numbers} {row['resistance']:11.3f}")
+    return lines
+
+
+def summary_of(out):
+    """Contents of summary.json in a folder."""
+    return json.loads((Path(out) / "summary.json").read_text())
+
+
+def settings(scene):
+    """A scene as plain values for summary.json."""
+    settings = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
+    settings |= {name: dict(vars(getattr(scene, name))) for name in PARTS}
+    fabric = build.fabric(scene)
+    return settings | {"fabric": {"name": fabric.name, "summary": fabric.summary()}}
+
+
+def describe(report, activity):
+    """Enter what is modelled into a report."""
+    made = activity.whole, activity.surface, activity.wearer.names
+    plan = plan_of(activity.scene, *made)
+    report.describe(activity.shell, **plan, time_step=activity.stepper.dt)

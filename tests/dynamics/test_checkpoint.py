@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A run stopped and started again goes on as if it had not been stopped."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import meshes
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell
+from shellform.contact_coupling.explicit_contact import Touch
+from shellform.dynamics import checkpoint
+from shellform.dynamics.explicit import Newmark
+
+
+def scene(cells=8, samples="nodes"):
+    surface = meshes.rectangle(0.5, 0.5, (cells, cells)).transform(translation=(-0.2, -0.3, 1e-3))
+    shell = Shell(surface, Fabric.isotropic(1e6, 0.3, 1e-3, 200.0))
+    shell.supports.hold(np.array([0]))
+    shell.loads.gravity()
+    stepper = Newmark(shell, 0.8, damping=1e-4, drag=0.5)
+    stepper.recheck = 50
+    limb = Segment("limb", (0.2, 0.3, 0.25), Fixed((0, 0, -0.25)))
+    return stepper, Touch(stepper, Body([limb]), 0.3, samples=samples)
+
+
+def steps(stepper, count):
+    for _ in range(count):
+        stepper.step(stepper.dt)
+
+
+def state(stepper, touch):
+    gather = stepper.shell.partition.gather
+    parts = [gather(a) for a in (stepper.owned, stepper.v, stepper.q)]
+    return np.hstack([*parts, gather(touch.correction.window.impulse)])
+
+
+@pytest.mark.parametrize("samples", ["nodes", 1])
+def test_goes_on_bit_for_bit(samples, shared_tmp_path, comm):
+    """A cut-back step, contact of nodes and samples, the books: all go on."""
+    stepper, touch = scene(samples=samples)
+    stepper.rewind.cut = 0.5
+    steps(stepper, 120)
+    checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
+    comm.Barrier()
+    steps(stepper, 200)
+    other, other_touch = scene(samples=samples)
+    checkpoint.load(shared_tmp_path / "c.npz", other, other_touch)
+    assert 0.5 < other.rewind.cut < 0.6  # two good looks later
+    steps(other, 200)
+    assert other.rewind.cut == stepper.rewind.cut
+    assert other.time == stepper.time
+    assert other.steps == stepper.steps == 320
+    assert comm.allreduce(np.abs(touch.correction.window.impulse).sum()) > 0  # it has met the limb
+    assert np.array_equal(state(other, other_touch), state(stepper, touch))
+    for kind, value in stepper.work.items():
+        total, again = comm.allreduce(value), comm.allreduce(other.work[kind])
+        assert again == pytest.approx(total, rel=1e-12, abs=1e-15)
+    assert stepper.balance()["damping"] == pytest.approx(other.balance()["damping"], rel=1e-9)
+
+
+def test_samples_need_their_state(shared_tmp_path, comm):
+    stepper, touch = scene(samples=1)
+    checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
+    comm.Barrier()
+    other, other_touch = scene(samples=2)
+    with pytest.raises(ValueError, match="4 samples a cell"):
+        checkpoint.load(shared_tmp_path / "c.npz", other, other_touch)
+
+
+def test_another_surface_is_refused(shared_tmp_path, comm):
+    stepper, touch = scene()
+    checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
+    comm.Barrier()
+    other, _ = scene(cells=6)
+    with pytest.raises(ValueError, match="81 nodes; rectangle has 49"):
+        checkpoint.load(shared_tmp_path / "c.npz", other)
+
+
+SCRIPT = """
+import sys
+sys.path.insert(0, "{tests}")
+from tests.dynamics.test_checkpoint import checkpoint, np, scene, state, steps
+stepper, touch = scene()
+if sys.argv[1] == "start":
+    steps(stepper, 100)
+    checkpoint.save(sys.argv[2], stepper, touch)
+else:
+    checkpoint.load(sys.argv[2], stepper, touch)
+    steps(stepper, 200)
+    whole = state(stepper, touch)
+    if stepper.shell.comm.rank == 0:
+        np.save(sys.argv[3], whole)
+"""
+
+
+@pytest.mark.serial
+def test_goes_on_with_any_number_of_ranks(tmp_path):
+    """Stopped on 2 ranks, gone on with 1, 2 and 3: 1e-9 after 200 steps."""
+    script = tmp_path / "run.py"
+    script.write_text(SCRIPT.format(tests=Path(__file__).resolve().parents[2]))
+
+    def run(ranks, *arguments):
+        own = ("OMPI_", "PMIX_", "PMI_")  # what MPI has put there for this process
+        environment = {k: v for k, v in os.environ.items() if not k.startswith(own)} | {
+            "OMPI_ALLOW_RUN_AS_ROOT": "1",
+            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            "OMPI_MCA_mpi_yield_when_idle": "1",
+        }
+        command = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
+        command += [sys.executable, str(script), *map(str, arguments)]
+        subprocess.run(command, env=environment, check=True, timeout=300)
+
+    run(2, "start", tmp_path / "c.npz")
+    results = []
+    for ranks in (1, 2, 3):
+        run(ranks, "go", tmp_path / "c.npz", tmp_path / f"{ranks}.npy")
+        results.append(np.load(tmp_path / f"{ranks}.npy"))
+    for other in results[1:]:
+        scale = np.abs(results[0]).max(axis=0) + 1e-12
+        assert (np.abs(other - results[0]) / scale).max() < 1e-9

@@ -1,0 +1,363 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A dressed wearer walks: forces add up, torques turn with the scene, stopped runs go on.
+
+The walk is short: out of the second stride of the synthetic walk, with a quick way into it. Cloth
+that folds is chaotic: a difference of roundoff grows tenfold in 20 ms or so, so two runs that are
+equal but for roundoff, which settle for 0.1 s before, are compared for 60 ms.
+"""
+
+import csv
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+from mpi4py import MPI
+
+import numpy as np
+import pytest
+
+from shellform.__main__ import main
+from shellform.fem.director import rotation_matrix
+from shellform.motion.gait.synthetic_walk import synthetic_walk
+from shellform.results.joint_torque import COLUMNS, rows_until
+from shellform.scene import wearer as build
+from shellform.scene.garment import garment_of
+from shellform.scene.parts import Motion, Output, Steps
+from shellform.scene.scene import Scene
+from shellform.scene.scene_file import write_scene
+from shellform.simulation import run as activity
+from shellform.simulation import summary as account
+from shellform.simulation.figures import draw
+from tests.dressing.test_dress import dressed
+from tests.scene.test_wearer_and_garment import turned
+from tests.test_parallel import launch, needs_mpirun
+
+COMM = MPI.COMM_WORLD
+JOINTS = [f"{side}_{joint}" for side in ("right", "left") for joint in ("hip", "knee", "ankle")]
+# without drag of the air, which the ledger books but does not tell by window
+WALK = Scene(
+    motion=Motion(start=1.5, end=1.7, lead_in=0.4),
+    steps=Steps(drag=0.0),
+    output=Output(checkpoint=0.1),
+)
+PATIENCE = 300  # seconds for a program that compiles first
+
+
+@pytest.fixture(scope="module")
+def walked(tmp_path_factory):
+    """Folder of a whole run, and what it returned; frames that were watched."""
+    out = Path(COMM.bcast(str(tmp_path_factory.mktemp("walk")) if COMM.rank == 0 else None))
+    watched = []
+    results = activity.run(
+        WALK, out, COMM, dressed("compliant").path, lambda stage, _: watched.append(stage)
+    )
+    COMM.Barrier()
+    return out, results, watched
+
+
+def table(path):
+    with open(path) as file:
+        return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+
+
+def vectors(rows, kind="torque", axes="xyz"):
+    return np.array([[row[f"{kind}_{axis}"] for axis in axes] for row in rows])
+
+
+def torques(out):
+    """Windows, joints, (x, y, z, about the axis of flexion) [N m]."""
+    rows = rows_until(Path(out) / "torque.csv", np.inf)
+    assert [row["joint"] for row in rows] == JOINTS * (len(rows) // 6)
+    return vectors(rows, axes=("x", "y", "z", "flexion")).reshape(-1, 6, 4)
+
+
+def contact_forces(rows, names):
+    """(k, 3), of the body on the cloth [N]."""
+    return sum(vectors(rows, f"force_{name}") for name in names)
+
+
+def test_forces_balance(walked):
+    """In every window contact gives the weight and the change of momentum: 0.5 % of the weight.
+
+    The belt is a closed cable: it gives nothing in sum.
+    """
+    out, results, _ = walked
+    rows = table(out / "ledger.csv")
+    names = build.wearer_of(WALK).names
+    t, p = np.array([row["time"] for row in rows]), vectors(rows, "momentum")
+    needed = np.diff(p, axis=0) / np.diff(t)[:, None] + [0.0, 0.0, results["weight"]]
+    off = np.abs(contact_forces(rows, names)[1:] - needed).max() / results["weight"]
+    moved = np.abs(needed[:, :2]).max() / results["weight"]
+    print(f"forces balance to {100 * off:.3f} % of the weight; accelerations to {moved:.2f} g")
+    assert off < 0.005 < 0.1 < moved
+    assert results["force_balance_error"] < 1e-6
+    surface = garment_of(WALK, build.wearer_of(WALK))
+    corners = surface.points[surface.cells]
+    one, other = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    area = 0.25 * np.linalg.norm(np.cross(one, other), axis=2).sum()
+    assert results["weight"] == pytest.approx(9.81 * 0.21 * area, rel=1e-9)
+
+
+def test_segments_get_what_nodes_give(walked):
+    """Wrenches of the segments are the forces of the frames, and give the torques of the file."""
+    meshio = pytest.importorskip("meshio")
+    out, results, watched = walked
+    rows, wearer = table(out / "ledger.csv"), build.wearer_of(WALK)
+    whole = contact_forces(rows, wearer.names)
+    times = np.array([row["time"] for row in rows])
+    frames = re.findall(r'timestep="(.*?)".*file="(.*?)"', (out / "series.pvd").read_text())
+    assert len(frames) == 7 and watched == ["walk"] * 6  # the first frame is that of the dressed
+    for at, file in frames[1:]:
+        data = meshio.read(out / file).point_data
+        k = np.abs(times - float(at)).argmin()
+        size = np.abs(data["contact_force"]).sum()
+        assert np.abs(data["contact_force"].sum(axis=0) - whole[k]).max() < 1e-9 * size
+        assert (data["contact_pressure"] >= 0).all()
+    # about joints that move by 20 mm in a window: to 1 % of the largest
+    found, start, mine = torques(out), wearer.start, []
+    for row in rows:
+        middle = 0.5 * (start + row["time"])
+        pose, joints, start = wearer.new_pose(middle), wearer.new_joints(middle), row["time"]
+        for joint, centre in zip(wearer.joints, joints.centres, strict=True):
+            torque = np.zeros(3)
+            for name in results["parts"][joint]:
+                force, moment = (vectors([row], f"{k}_{name}")[0] for k in ("force", "moment"))
+                torque -= moment + np.cross(pose.centres[wearer.index(name)] - centre, force)
+            mine.append(torque)
+    mine = np.reshape(mine, (-1, 6, 3))
+    assert np.abs(mine - found[:, :, :3]).max() < 0.01 * np.abs(found).max()
+
+
+def test_files_of_a_run(walked):
+    """torque.csv, ledger.csv, series, checkpoint, dressed state, summary.json with its keys."""
+    out, results, _ = walked
+    wearer = build.wearer_of(WALK)
+    rows = rows_until(out / "torque.csv", np.inf)
+    assert tuple(rows[0]) == COLUMNS
+    assert len(rows) == 6 * round((wearer.end - wearer.start) / WALK.output.window)
+    assert rows[-1]["time"] == pytest.approx(1.7, abs=1e-9)
+    for name in ("scene.toml", "checkpoint.npz", "dressed.npz"):
+        assert (out / name).is_file()
+    assert not list(out.glob("*.part*"))
+    summary = json.loads((out / "summary.json").read_text())
+    for key in (
+        "scene", "plan", "settings", "ranks", "cells", "nodes", "dofs", "steps", "time_step",
+        "newton_iterations", "seconds", "peak_memory_mb", "versions", "results",
+    ):  # fmt: skip
+        assert key in summary
+    assert set(summary["seconds"]) >= {"setup", "compile", "assemble", "solve", "contact", "total"}
+    assert summary["ranks"] == COMM.size and summary["dofs"] == 5 * summary["nodes"]
+    told = summary["results"]
+    for key in (
+        "max_penetration", "force_balance_error", "strides", "stride_length", "parts", "window",
+        "dressing", "pinched_most", "notes", "weight",
+    ):  # fmt: skip
+        assert key in told
+    assert list(told["joints"]) == JOINTS
+    assert told["window"] == 0.02 and told["parts"]["left_knee"] == ["left_shank", "left_foot"]
+    assert told["stride_length"] == pytest.approx(1.32)
+    for joint, numbers in told["joints"].items():
+        mine = [row for row in rows if row["joint"] == joint]
+        flexion = np.array([row["torque_flexion"] for row in mine])
+        assert abs(numbers["peak_torque"]) == pytest.approx(np.abs(flexion).max(), rel=1e-9)
+        assert numbers["rms_torque"] == pytest.approx(np.sqrt(np.mean(flexion**2)), rel=1e-6)
+        power = np.array([row["power"] for row in mine])
+        assert numbers["work"] == pytest.approx(power.sum() * 0.02, rel=1e-6, abs=1e-12)
+        assert numbers["resistance"] >= max(0.0, -numbers["work"]) - 1e-12
+    lines = "\n".join(account.told(results))
+    assert "right_knee" in lines and "% of the weight" in lines
+
+
+@pytest.mark.serial
+@pytest.mark.slow
+def test_pictures_when_asked(walked):
+    """Of the files of a run alone; the run itself has drawn nothing."""
+    out, _, _ = walked
+    assert not list(out.glob("*.png")) + list(out.glob("*.gif"))
+    draw(out)
+    for name in ("walk.png", "torque.png"):
+        assert (out / name).read_bytes()[:4] == b"\x89PNG"
+    assert (out / "walk.gif").read_bytes()[:3] == b"GIF"
+
+
+@pytest.fixture
+def walks(monkeypatch, tmp_path):
+    """Function: torques of a run whose synthetic walk is made by another function."""
+
+    def run(make, state):
+        monkeypatch.setattr(build, "synthetic_walk", make)
+        activity.run(WALK, tmp_path, COMM, state)
+        return torques(tmp_path)
+
+    return run
+
+
+def compared(what, one, other):
+    """Differences of the windows over the largest torque; asserts the first three: 1e-3."""
+    size = np.abs(one[:3]).max()
+    off = np.abs(one - other).max(axis=(1, 2)) / size
+    print(f"{what}: largest torque {size:.3f} N m; windows differ by", *(f"{x:.0e}" for x in off))
+    assert size > 0.05
+    assert off[:3].max() < 1e-3
+
+
+@pytest.mark.serial
+@pytest.mark.slow
+def test_turned_walk(walked, walks):
+    """In another place and direction: world components turn, those about the joints' axes stay."""
+    angle, shift = 2.3, (4.0, -3.0)
+    found = walks(
+        lambda **kinds: turned(synthetic_walk(**kinds), angle, shift), dressed("compliant").path
+    )
+    plain = torques(walked[0])
+    turn = rotation_matrix([0.0, 0.0, angle])
+    compared("turned", np.dstack([plain[:, :, :3] @ turn.T, plain[:, :, 3]]), found)
+    assert (
+        np.abs(plain[:5, :, :3] @ turn.T - plain[:5, :, :3]).max() > 0.1 * np.abs(plain[:3]).max()
+    )
+
+
+@pytest.mark.serial
+@pytest.mark.slow
+def test_mirrored_walk(walked, walks, tmp_path):
+    """The left foot first, in trousers draped the other way round: left and right change places."""
+    with np.load(dressed("compliant").path) as file:
+        state = dict(file)
+    mirror = np.array([1.0, -1.0, 1.0])
+    twin = np.linalg.norm(state["rest"][:, None] - state["rest"] * mirror, axis=2)
+    assert twin.min(axis=1).max() < 1e-12
+    for name in ("positions", "directors"):
+        state[name] = state[name][twin.argmin(axis=1)] * mirror
+    np.savez(tmp_path / "mirrored.npz", **state)
+    found = walks(partial(synthetic_walk, first="left"), tmp_path / "mirrored.npz")
+    plain = torques(walked[0])
+    # a torque is an axial vector
+    compared("mirrored", plain[:, [3, 4, 5, 0, 1, 2]] * [-1, 1, -1, 1], found)
+    assert np.abs(plain[:3] - plain[:3, [3, 4, 5, 0, 1, 2]]).max() > 0.1 * np.abs(plain[:3]).max()
+
+
+@pytest.fixture(scope="module")
+def scene_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scenes") / "scene.toml"
+    write_scene(WALK, path)
+    return path
+
+
+def begin(scene, out, ready):
+    """Start `shellform run`; returns the program once `ready()`."""
+    state = ("--dressed", dressed("compliant").path, "--no-pictures")
+    words = [sys.executable, "-m", "shellform", "run", scene, "--out", out, *state]
+    program = subprocess.Popen(
+        [*map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    end = time.monotonic() + PATIENCE
+    while not ready():
+        assert program.poll() is None, program.communicate()[1]
+        assert time.monotonic() < end, "nothing written yet"
+        time.sleep(0.01)
+    return program
+
+
+@pytest.fixture(scope="module")
+def killed(scene_file, tmp_path_factory):
+    """Folder of a run that was killed some time after its first checkpoint."""
+    out = tmp_path_factory.mktemp("killed")
+    program = begin(scene_file, out, (out / "checkpoint.npz").exists)
+    program.send_signal(signal.SIGKILL)
+    program.communicate()
+    assert program.returncode == -signal.SIGKILL and not (out / "summary.json").exists()
+    return out
+
+
+def copied(folder, to):
+    return Path(shutil.copytree(folder, to / "copy"))
+
+
+def same_as_uninterrupted(out, whole, bar=1e-6):
+    """Torques of all windows, forces and frames of a run that was stopped and gone on with."""
+    one, other = torques(whole), torques(out)
+    off = np.abs(one - other).max() / np.abs(one).max()
+    print(f"gone on with: torques differ by {off:.1e} of the largest")
+    assert one.shape == other.shape and off <= bar
+    rows, again = table(whole / "ledger.csv"), table(out / "ledger.csv")
+    names = build.wearer_of(WALK).names
+    forces, others = contact_forces(rows, names), contact_forces(again, names)
+    assert np.abs(forces - others).max() <= bar * np.abs(forces).max()
+    frames = [re.findall('timestep="(.*?)"', (f / "series.pvd").read_text()) for f in (whole, out)]
+    assert frames[0] == frames[1]
+    one, other = (json.loads((f / "summary.json").read_text())["results"] for f in (whole, out))
+    assert set(one) == set(other) and one["dressing"] == other["dressing"]
+    assert one["max_penetration"] == pytest.approx(other["max_penetration"], rel=bar)
+    for joint, numbers in one["joints"].items():
+        for key in ("peak_torque", "rms_torque", "work", "resistance"):
+            assert other["joints"][joint][key] == pytest.approx(numbers[key], rel=1e-6, abs=bar)
+
+
+@pytest.mark.serial
+@pytest.mark.slow
+def test_killed_run_goes_on(walked, killed, tmp_path):
+    """As if it had not been killed; a run without pictures loads nothing that draws."""
+    out = copied(killed, tmp_path)
+    code = (
+        "import sys\n"
+        "from shellform import console\n"
+        "from shellform.__main__ import main\n"
+        "console.run(main, ['resume', sys.argv[1], '--no-pictures'])\n"
+        "unasked = ['matplotlib', 'PIL', 'ezc3d', 'gmsh', 'shellform.pictures.walk']\n"
+        "unasked += ['shellform.dynamics.mass_spring', 'shellform.dynamics.implicit']\n"
+        "unasked += ['shellform.motion.capture.read_motion']\n"
+        "print('unasked:', [name for name in unasked if name in sys.modules])\n"
+    )
+    words = [sys.executable, "-c", code, str(out)]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    assert "unasked: []" in done.stdout
+    assert "right_knee" in done.stdout and not list(out.glob("*.png"))
+    same_as_uninterrupted(out, walked[0])
+
+
+@needs_mpirun
+@pytest.mark.serial
+@pytest.mark.slow
+def test_killed_run_goes_on_on_two_ranks(walked, killed, tmp_path):
+    """Sums in another order: 1e-6 of the largest torque for 0.1 s, then chaos."""
+    out = copied(killed, tmp_path)
+    with np.load(out / "checkpoint.npz") as state:
+        done = int(state["done"])
+    program = launch(2, "-m", "shellform", "resume", out, "--no-pictures", timeout=PATIENCE)
+    assert program.returncode == 0, program.stderr[-2000:]
+    one, two = torques(walked[0]), torques(out)
+    off = np.abs(one - two).max(axis=(1, 2)) / np.abs(one).max()
+    print("two ranks: windows differ by", *(f"{x:.0e}" for x in off[done:]))
+    assert one.shape == two.shape
+    assert np.array_equal(one[:done], two[:done])  # rows of the file
+    assert 0 < off[done : done + 5].max() < 1e-6
+    told = json.loads((out / "summary.json").read_text())
+    assert told["ranks"] == 2 and told["results"]["force_balance_error"] < 1e-6
+
+
+@pytest.mark.serial
+@pytest.mark.slow
+def test_stopped_run_goes_on(walked, scene_file, tmp_path, capsys):
+    """Ctrl-C ends a run with a sentence, a checkpoint and exit code 130; `resume` ends the rest."""
+    out = tmp_path / "stopped"
+
+    def walking():
+        file = out / "torque.csv"
+        return file.exists() and file.read_text().count("\n") > 1
+
+    program = begin(scene_file, out, walking)
+    program.send_signal(signal.SIGINT)
+    _, said = program.communicate(timeout=PATIENCE)
+    assert program.returncode == 130
+    assert said.count("\n") == 1 and f"go on with: shellform resume {out}" in said
+    assert (out / "checkpoint.npz").exists() and not (out / "summary.json").exists()
+    main(["resume", str(out), "--no-pictures"])
+    assert "torque.csv" in capsys.readouterr().out
+    same_as_uninterrupted(out, walked[0])
