@@ -20,7 +20,7 @@ import numpy as np
 
 import meshes
 import shellform as sf
-from shellform.pictures import draw_surfaces, ellipsoid_facets, facing, smooth, view_axes
+from shellform.pictures.surfaces import draw_surfaces, ellipsoid_facets, facing, smooth, view_axes
 
 # %%
 # Cloth and body

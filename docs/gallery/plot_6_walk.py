@@ -21,10 +21,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import shellform as sf
-from shellform import walk_pictures
-from shellform.build import wearer_of
-from shellform.scene import Garment, Motion
-from shellform.torque import rows_until
+from shellform.pictures import walk as walk_pictures
+from shellform.results.joint_torque import rows_until
+from shellform.scene.parts import Garment, Motion
+from shellform.scene.wearer import wearer_of
 
 # %%
 # The scene

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import pytest
 
 from shellform.__main__ import parser
-from shellform.scene_file import read_scene
+from shellform.scene.scene_file import read_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -117,11 +117,10 @@ def parse_make(words):
 
 
 @cache
-def help_of(script):
-    """What a script says of itself; it ends before anything is computed."""
-    assert (ROOT / script).is_file(), f"no {script}"
+def help_of(*program):
+    """What a program says of itself; it ends before anything is computed."""
     done = subprocess.run(
-        [sys.executable, script, "-h"],
+        [sys.executable, *program, "-h"],
         cwd=ROOT,
         env=OUTSIDE,
         capture_output=True,
@@ -132,12 +131,12 @@ def help_of(script):
     return done.stdout
 
 
-def parse_script(script, arguments):
-    """Options and the name of what is to be done must be known to the script's own parser."""
-    known = help_of(script)
+def parse_arguments(program, arguments):
+    """Options and the name of what is to be done must be known to the program's own parser."""
+    known = help_of(*program)
     for k, word in enumerate(arguments):
         if word.startswith("--") or (k == 0 and not word.startswith("-")):
-            assert re.search(rf"(?<![\w-]){word}(?![\w-])", known), f"{script} takes no {word}"
+            assert re.search(rf"(?<![\w-]){word}(?![\w-])", known), f"{program} takes no {word}"
 
 
 def parse(words):
@@ -155,8 +154,10 @@ def parse(words):
     elif program == "python" and rest[:2] == ["-m", "pytest"]:
         files = [word.partition("::")[0] for word in rest[2:] if word.startswith("tests")]
         assert files and all((ROOT / file).exists() for file in files), files
+    elif program == "python" and rest[0] == "-m" and rest[1].startswith("demos."):
+        parse_arguments(rest[:2], rest[2:])
     elif program == "python" and rest[0].endswith(".py"):
-        parse_script(rest[0], rest[1:])
+        parse_arguments(rest[:1], rest[1:])
     else:
         pytest.fail(f"{shlex.join(words)} is no command of ours: mark the block")
 
