@@ -25,12 +25,12 @@ def modules_of(package: str) -> dict[str, list[str]]:
 
 
 def page(room: str, names: list[str]) -> str:
-    """Markdown of a room's page."""
+    """Markdown of a room's page; a name is described where it is made only."""
     lines = [f"# {room}", ""]
     for name in names:
         if name != room:
             lines += [f"## {name}", ""]
-        lines += ["```{eval-rst}", f".. automodule:: {name}", "```", ""]
+        lines += ["```{eval-rst}", f".. automodule:: {name}", "   :ignore-module-all:", "```", ""]
     return "\n".join(lines)
 
 
