@@ -15,7 +15,7 @@ MPIRUN := mpirun --oversubscribe --bind-to none
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup roll-up drape walk test test-plain lint clean
+.PHONY: help setup roll-up drape walk docs test test-plain lint clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -31,6 +31,14 @@ drape: setup ## drape a square of cloth, held at a corner, over a sphere; result
 
 walk: setup ## trousers on a walker, torque about the joints; result in out/walk
 	$(MPIRUN) -n 2 $(PYTHON) demos/walk.py --out out/walk
+
+# numpy is named so that pip can only keep Debian's.
+docs: setup ## pages of docs/ with the gallery, links checked; result in docs/_build/html
+	@$(PYTHON) -c "import furo, latex2mathml, myst_parser, sphinx_gallery" 2>/dev/null || \
+	$(PYTHON) -m pip install -q --disable-pip-version-check --no-build-isolation -e '.[docs]' \
+	  "numpy==$$($(PYTHON) -c 'import numpy; print(numpy.__version__)')"
+	$(PYTHON) -m sphinx -b html -E -W --keep-going -n -q docs docs/_build/html
+	@echo "wrote docs/_build/html/index.html"
 
 test: setup ## all tests on 1 rank, then on 2
 	@status=0; \
@@ -49,7 +57,8 @@ lint: setup ## ruff: rules and layout; import-linter: which room may import whic
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
 	.venv/bin/lint-imports --no-logo
+	$(PYTHON) -m mypy
 
 clean: ## remove results and caches of the tools; .venv stays
-	rm -rf out build dist .pytest_cache .ruff_cache
+	rm -rf out build dist docs/_build docs/gallery_pages docs/api/rooms .pytest_cache .ruff_cache
 	find . -name __pycache__ -not -path './.venv/*' -type d -exec rm -rf {} +
