@@ -88,20 +88,25 @@ def load(path, stepper, touch=None):
 
 
 def _contact(stepper, touch):
-    """Segments touched and sunk into, by nodes and by cells that have samples.
+    """Segments touched and sunk into and looks, by nodes and by cells that have samples.
 
-    In the surface's numbering: (n, 2) and (cells, samples a cell, 2) int.
+    In the surface's numbering: (n, 2) and (cells, samples a cell, 2) int; looks (n, 6) and
+    (cells, samples a cell, 6) float, see `Correction.looks`.
     """
     partition = stepper.shell.partition
     # whole numbers travel as the floats of the same bits: sets of segments may need all 64
     nodes = partition.gather(_of(touch.correction).view(float), root=0)
     whole = {"segment": None if nodes is None else nodes.view(np.int64)}
+    looks, whole["look_body"] = touch.correction.looks()
+    whole["look"] = partition.gather(looks, root=0)
     if touch.inner is not None:
         cells = partition.nodes[touch._cells]
-        parts = stepper.shell.comm.gather((cells, _by_cell(touch)), 0)
+        looks, whole["sample_look_body"] = touch.inner.looks()
+        looks = looks.reshape(len(cells), -1, 6)
+        parts = stepper.shell.comm.gather((cells, _by_cell(touch), looks), 0)
         if parts is not None:
-            whole["sample_cells"] = np.concatenate([part[0] for part in parts])
-            whole["sample_segment"] = np.concatenate([part[1] for part in parts])
+            names = "sample_cells", "sample_segment", "sample_look"
+            whole |= {k: np.concatenate(part) for k, part in zip(names, zip(*parts), strict=True)}
     return whole
 
 
@@ -109,6 +114,7 @@ def _take_contact(path, stepper, touch, state):
     """Set this rank's part of `_contact`."""
     partition = stepper.shell.partition
     _set(touch.correction, state["segment"][partition.owned_nodes])
+    touch.correction.take_looks(state["look"][partition.owned_nodes], state["look_body"])
     if touch.inner is None:
         return
     kept, own = state.get("sample_segment"), _by_cell(touch)
@@ -119,7 +125,9 @@ def _take_contact(path, stepper, touch, state):
         )
     rows = {tuple(sorted(cell)): row for row, cell in enumerate(state["sample_cells"].tolist())}
     cells = partition.nodes[touch._cells].tolist()
-    _set(touch.inner, kept[[rows[tuple(sorted(cell))] for cell in cells]].reshape(-1, 2))
+    order = [rows[tuple(sorted(cell))] for cell in cells]
+    _set(touch.inner, kept[order].reshape(-1, 2))
+    touch.inner.take_looks(state["sample_look"][order].reshape(-1, 6), state["sample_look_body"])
 
 
 def _of(correction):
