@@ -73,7 +73,7 @@ def plan_of_run(shell, stepper=None, touch=None):
     Parameters
     ----------
     shell : Shell, loads complete; stepper : Stepper, None in statics
-    touch : Touch or ImplicitTouch, None without a body
+    touch : RunningContact, None without a body
     """
     plan = shell.plan()
     if stepper is None:
@@ -84,11 +84,9 @@ def plan_of_run(shell, stepper=None, touch=None):
         plan["terms"] += ["inertia", "rotary inertia"]
     plan["terms"] += [name for name in ("drag", "damping") if getattr(stepper, name, 0.0)]
     if touch is not None:
-        correction = touch.correction
-        plan["contact"] = list(correction.body.names)
-        friction = getattr(correction, "friction", correction._law)[:2]
-        if friction[0] > 0:
-            plan["friction"] = list(friction)
+        plan["contact"] = list(touch.body.names)
+        if touch.friction[0] > 0:
+            plan["friction"] = list(touch.friction)
     return plan
 
 
