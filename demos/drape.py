@@ -232,7 +232,7 @@ def main(given=None):
             shown = stepper.shell
             series.write(shown, time)
             frames.append((shown.positions(), shown.directors()))
-            deepest = max(deepest, COMM.allreduce(touch.correction.max_depth, MPI.MAX))
+            deepest = max(deepest, COMM.allreduce(touch.max_depth, MPI.MAX))
     steps = stepper.steps + particle_steps
     report.shift(touch.seconds, "solve", "contact")
 

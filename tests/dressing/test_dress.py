@@ -106,7 +106,7 @@ def dressed(fabric):
         ledger.rows,
         activity.weight,
         activity.shell.partition.gather(correction.allowed[:, None].astype(float))[:, 0],
-        len(activity.stepper.applied_forces),
+        len(activity.stepper.external.applied),
     )
 
 

@@ -218,7 +218,7 @@ def test_no_array_nor_kernel_of_damping_without_it(monkeypatch, comm):
     plain = Newmark(shell)
     plain.advance(20 * plain.dt)
     assert calls == []
-    assert plain._field is shell.w and not plain.internal.damped
+    assert not plain.force_model.internal.damped
     assert not {"before", "step"} & set(vars(shell))  # of tangents and of rates
     damped = Newmark(sheet(comm=comm), damping=1e-5)
     damped.advance(20 * damped.dt)
@@ -443,14 +443,14 @@ def test_plan_of_a_run_is_stored(shared_tmp_path, comm):
     """In summary.json: of a static problem, a fall, and cloth on a ball; only what each has."""
     plans = {}
     for name in ("statics", "fall", "ball"):
-        shell, stepper, touch = sheet(comm=comm), None, None
+        shell, stepper = sheet(comm=comm), None
         if name != "statics":
             shell.loads.gravity()
             stepper = Newmark(shell)
         if name == "ball":
-            touch = stepper.add(coupling.Contact(ball(), 0.0))
+            stepper.add(coupling.Contact(ball(), 0.0))
         report = Report(shared_tmp_path / name, name, {}, comm)
-        report.describe(shell, **plan_of_run(shell, stepper, touch))
+        report.describe(shell, **plan_of_run(shell, stepper))
         report.write({})
         comm.Barrier()
         plans[name] = json.loads((shared_tmp_path / name / "summary.json").read_text())["plan"]
