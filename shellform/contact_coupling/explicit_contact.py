@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact of a shell in explicit steps: the hook between the kick and the drift, Eqs. 15 and 16.
 
-Gives the arrays of a stepper's owned nodes to `contact.Correction` and books what it did. Cloth is
+Gives the arrays of a stepper's owned nodes to `contact.solver.velocity_correction.VelocityCorrection` and books what it did. Cloth is
 met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
@@ -22,7 +22,6 @@ import dolfinx
 from dolfinx import fem
 
 from contact.solver.cell_samples import (
-    book_loss,
     collect,
     midpoints,
     particle_masses,
@@ -30,7 +29,8 @@ from contact.solver.cell_samples import (
     spread,
     too_thin,
 )
-from contact.solver.velocity_correction import Correction
+from contact.solver.contact_ledger import book_loss
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform.fem.partition import DOLFINX_ORDER
 
 
@@ -45,12 +45,12 @@ class Touch:
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
-        each other (contact/solver/soft_crease.py); None: hard
+        each other (contact/solver/soft_contact.py); None: hard
 
     Attributes
     ----------
-    correction : contact.Correction, with its counters and ledgers, those of samples included
-    inner : Correction of the samples, or None
+    correction : contact.solver.velocity_correction.VelocityCorrection, with its counters and ledgers, those of samples included
+    inner : VelocityCorrection of the samples, or None
     seconds : float, spent in contact
     notes : list of str, ellipsoids that can pass between the points that are met
 
@@ -69,14 +69,14 @@ class Touch:
         self._guided = np.flatnonzero(self._held.any(axis=1) & ~fixed)
         areal = stepper.shell.fabric.areal_mass
         self._pinch = {"flesh": flesh_stiffness / areal} if flesh_stiffness else {}
-        self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._pinch)
+        self.correction = VelocityCorrection(body, n, friction, offset, fixed=fixed, **self._pinch)
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None
         if not (isinstance(samples, str) and samples == "nodes") and samples != 0:
             self._inside(stepper, body, friction, offset, midpoints(samples))
         k = 0 if isinstance(samples, str) else samples
         size = stepper.shell.surface.mean_cell_size
-        self.notes = too_thin(body.names, body.radii, size, offset, k)
+        self.notes = too_thin(body, size, offset, k)
         stepper.hooks.append(self)
         stepper.keep_old_velocities()
 
@@ -105,7 +105,7 @@ class Touch:
         self._mass[still] = 1.0
         self._points, self._after = np.empty((k, 9)), np.empty((k, 9))
         self._free = np.empty_like(stepper.v)
-        self.inner = Correction(body, k, friction, offset, fixed=still, **self._pinch)
+        self.inner = VelocityCorrection(body, k, friction, offset, fixed=still, **self._pinch)
 
     def __call__(self, stepper, dt):
         start = time.perf_counter()
@@ -169,9 +169,7 @@ class Touch:
         for ledger in (outer.last, outer.window):
             ledger.table += inner.last.table
             ledger.impulse += impulse
-        outer._counts += inner._counts
-        outer.max_depth = max(outer.max_depth, inner.max_depth)
-        outer.pinch_depth = max(outer.pinch_depth, inner.pinch_depth)
+        outer.add_counts(inner)
 
     def state(self):
         """What the next step needs to know of this one, for `restore` (copies)."""

@@ -88,7 +88,7 @@ def load(path, stepper, touch=None):
 
 
 def _contact(stepper, touch):
-    """Segments touched and sunk into, by nodes and by cells that have samples.
+    """Segments touched and soft ones lain in, by nodes and by cells that have samples.
 
     In the surface's numbering: (n, 2) and (cells, samples a cell, 2) int.
     """
@@ -123,12 +123,12 @@ def _take_contact(path, stepper, touch, state):
 
 
 def _of(correction):
-    """Segments touched and sunk into (n, 2)."""
-    return np.stack([correction.segment, correction.sunk], axis=1)
+    """Segments touched and soft ones lain in (n, 2)."""
+    return np.stack([correction.segment, correction.penetrated], axis=1)
 
 
 def _set(correction, both):
-    correction.segment[:], correction.sunk[:] = both.T
+    correction.segment[:], correction.penetrated[:] = both.T
 
 
 def _by_cell(touch):

@@ -86,9 +86,9 @@ def plan_of_run(shell, stepper=None, touch=None):
     if touch is not None:
         correction = touch.correction
         plan["contact"] = list(correction.body.names)
-        friction = getattr(correction, "friction", correction._law)[:2]
-        if friction[0] > 0:
-            plan["friction"] = list(friction)
+        friction = correction.friction
+        if friction.static > 0:
+            plan["friction"] = [friction.static, friction.kinetic]
     return plan
 
 

@@ -16,7 +16,7 @@ import meshes
 from contact.body.segments import Body, Fixed, Segment
 from contact.solver import node_contact as point
 from contact.solver import velocity_correction as correction
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell, Statics
 from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics import explicit_kernels
@@ -261,7 +261,7 @@ def test_no_friction_kernel_without_friction(monkeypatch, friction):
     monkeypatch.setattr(point, "_rub", lambda *a: calls.append(1) or rub(*a))
     monkeypatch.setattr(correction, "_correct", in_python(correction._correct))
     monkeypatch.setattr(correction, "meet_body", in_python(point.meet_body))
-    contact = Correction(ball(), 2, friction)
+    contact = VelocityCorrection(ball(), 2, friction)
     x, v = np.array([[0.3, 0.0, 1.0], [0.0, 0.0, 1.5]]), np.zeros((2, 3))
     x[0] /= np.linalg.norm(x[0])
     v[:, 2] = -1.0
@@ -286,7 +286,7 @@ def test_bodies_out_of_reach_are_not_evaluated():
         x = random.normal(size=(200, 3))
         x *= (1.0 + 0.01 * random.random(200) ** 2)[:, None] / np.linalg.norm(x, axis=1)[:, None]
         v, count = random.normal(size=(200, 3)), 0
-        contact = Correction(ball(*more), 200, 0.3)
+        contact = VelocityCorrection(ball(*more), 200, 0.3)
         for step in range(10):
             contact(x, v, np.ones(200), 1e-3, 1e-3 * step)
             count += contact.evaluated
@@ -299,7 +299,7 @@ def test_bodies_out_of_reach_are_not_evaluated():
 
 def test_bodies_that_are_not_allowed_are_not_evaluated():
     x, v = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 0.0, -1.0]])
-    contact = Correction(ball(), 1, 0.3, allowed=np.zeros(1, int))
+    contact = VelocityCorrection(ball(), 1, 0.3, allowed=np.zeros(1, int))
     contact(x, v, np.ones(1), 1e-3, 0.0)
     assert contact.evaluated == 0 and v[0, 2] == -1.0
 

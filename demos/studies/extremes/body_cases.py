@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Points and patches of cloth that meet bodies under extreme conditions; see extremes_of_bodies.py.
 
-Points of mass meet a body by `contact.Correction`, a patch of cloth by `Touch` and `ImplicitTouch`.
+Points of mass meet a body by `contact.VelocityCorrection`, a patch of cloth by `Touch` and `ImplicitTouch`.
 What is measured: momentum changed but not booked, the deepest point at the end, the growth of
 energy in each contact, slip against its closed form.
 """
@@ -12,7 +12,7 @@ import meshes
 from contact.body.segments import Body, Fixed, Segment, turned
 from contact.geometry.ellipsoid import closest_points
 from contact.solver.cell_samples import too_thin
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell
 from shellform.contact_coupling.explicit_contact import Touch
 from shellform.contact_coupling.implicit_contact import ImplicitTouch
@@ -44,7 +44,7 @@ def points_on(body, x, v, dt, steps, friction=0.3, pull=(0.0, 0.0, 0.0), **optio
     correction
     """
     mass, growth, momentum, met = np.ones(len(x)), -np.inf, 0.0, 0
-    correction = Correction(body, len(x), friction, **options)
+    correction = VelocityCorrection(body, len(x), friction, **options)
     for step in range(steps):
         old = v.copy()
         v += dt * np.asarray(pull)

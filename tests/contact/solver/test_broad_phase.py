@@ -8,7 +8,7 @@ from contact.body.segments import Body, Fixed, Segment, Steady
 from contact.geometry.ellipsoid import closest_points
 from contact.solver.broad_phase import CLEAR, left_of, look, surface_motion
 from contact.solver.segment_motion import TRAVEL, set_travel
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 from tests.contact.solver.test_velocity_correction import LIMB, limbs, random_axes
 
 OFFSET = 1e-3
@@ -34,7 +34,7 @@ def played(body, flesh, friction=(0.5, 0.3), steps=300, dt=1e-3):
     rng = np.random.default_rng(5)
     x, v = rng.uniform(-0.5, 0.5, (400, 3)), 0.5 * rng.standard_normal((400, 3))
     mass = rng.uniform(1e-4, 1e-2, len(x))
-    correction = Correction(body, len(x), friction, OFFSET, flesh=flesh)
+    correction = VelocityCorrection(body, len(x), friction, OFFSET, flesh=flesh)
     told, evaluated, active, t = [], 0, 0, 0.0
     for step in range(steps):
         if step == 100:  # somebody moves points about

@@ -9,7 +9,7 @@ from contact.body.segments import Body, Fixed, Segment, Steady, turned
 from contact.geometry.ellipsoid import closest_points
 from contact.solver.nearest_step import PINCHED, nearest_step
 from contact.solver.supporting_planes import PLANE
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 
 G = 9.81
 LIMB = np.array([0.1, 0.05, 0.08])
@@ -122,7 +122,7 @@ def test_kernel_does_what_its_slow_twin_does(speed, offset):
         twin(*node, dt, *poses, body.radii[0], 0.4, 0.3, offset)
         for node in zip(x, v, mass, strict=True)
     ]
-    correction = Correction(body, len(x), (0.4, 0.3), offset)
+    correction = VelocityCorrection(body, len(x), (0.4, 0.3), offset)
     correction(x, v, mass, dt, t)
     assert np.array_equal(correction.segment, [-1 if e[1] is None else 0 for e in expected])
     assert 10 < correction.active < len(x)
@@ -140,7 +140,7 @@ def test_momentum_moments_and_energy_close(with_old, flesh):
     body, dt, t = limbs(rng), 2e-3, 0.1
     x = outside(body, t, rng, 400, 3e-3)
     mass = rng.uniform(1e-4, 1e-2, len(x))
-    correction = Correction(body, len(x), (0.5, 0.3), flesh=flesh)
+    correction = VelocityCorrection(body, len(x), (0.5, 0.3), flesh=flesh)
     if flesh < np.inf:  # half of the nodes lie in all that is around them
         x[::2] += 0.2 * (body.pose(t, body.new_pose()).centres.mean(axis=0) - x[::2])
         correction.sunk[::2] = 15
@@ -191,7 +191,7 @@ def test_impact_never_tunnels_and_never_gains_energy(speed, mu):
     for dt in (1e-4, 1e-3):
         x, mass = patch(0.3, 13, 0.11)
         v = np.tile([0.3 * speed, 0.1 * speed, -speed], (len(x), 1))
-        correction = Correction(body, len(x), mu)
+        correction = VelocityCorrection(body, len(x), mu)
         touched = np.zeros(len(x), bool)
         for step in range(min(400, int(0.5 / (speed * dt)) + 3)):
             before = v.copy()
@@ -226,7 +226,7 @@ def test_any_fast_path_among_several_bodies_ends_outside_with_no_more_energy():
     free = 300 * rng.uniform(0, 1, (len(x), 1)) * rng.standard_normal(x.shape)
     for mu in (0.0, 0.3):
         v = free.copy()
-        correction = Correction(body, len(x), mu)
+        correction = VelocityCorrection(body, len(x), mu)
         correction(x, v, np.ones(len(x)), dt, 0.0)
         assert correction.active > 500
         growth = np.sum(v * v, axis=1) - np.sum(free**2, axis=1)
@@ -239,7 +239,7 @@ def test_at_300_metres_a_second_the_entry_stops_the_node():
     """Straight down on a sphere: the node stays at the pole, its impulse is its momentum."""
     body, dt, mass = spheres((0, 0, 0)), 1e-3, np.array([2e-3])
     x, v = np.array([[0.0, 0, 0.15]]), np.array([[0.0, 0, -300.0]])
-    correction = Correction(body, 1)
+    correction = VelocityCorrection(body, 1)
     correction(x, v, mass, dt, 0.0)
     assert x[0, 2] + dt * v[0, 2] == pytest.approx(0.1, abs=1e-12)
     correction(x + dt * v, v, mass, dt, dt)
@@ -251,7 +251,7 @@ def test_at_300_metres_a_second_the_entry_stops_the_node():
 def test_a_path_that_misses_the_body_is_left_alone():
     """Over the horizon in one long step: below the plane of the start, but outside."""
     x, v = np.array([[0.0, 0, 0.1001]]), np.array([[300.0, 0, -1.0]])
-    correction = Correction(spheres((0, 0, 0)), 1, 0.5)
+    correction = VelocityCorrection(spheres((0, 0, 0)), 1, 0.5)
     correction(x, v, np.ones(1), 1e-3, 0.0)
     assert correction.segment[0] == -1 and np.array_equal(v, [[300.0, 0, -1.0]])
 
@@ -263,7 +263,7 @@ def incline(slope, mu, seconds, dt, radius=1e4):
     """A node on top of a huge sphere, gravity tilted by atan(slope); way slid, steps sticking."""
     angle = np.arctan(slope)
     gravity = G * np.array([np.sin(angle), 0, -np.cos(angle)])
-    correction = Correction(spheres((0, 0, -radius), radius=radius), 1, mu)
+    correction = VelocityCorrection(spheres((0, 0, -radius), radius=radius), 1, mu)
     x, v, mass = np.zeros((1, 3)), np.zeros((1, 3)), np.array([0.01])
     sticking = 0
     for step in range(round(seconds / dt)):
@@ -304,7 +304,7 @@ def test_without_friction_nothing_acts_along_the_surface():
     x *= 0.1001 / np.linalg.norm(x, axis=1, keepdims=True)
     v = rng.standard_normal(x.shape)
     free = v.copy()
-    correction = Correction(spheres((0, 0, 0)), len(x), 0.0)
+    correction = VelocityCorrection(spheres((0, 0, 0)), len(x), 0.0)
     correction(x, v, np.ones(len(x)), 1e-3, 0.0)
     assert correction.active > 50 and correction.sticking == 0
     # the impulse is along the radius to the place where the free path meets the sphere
@@ -322,7 +322,7 @@ def test_node_leaves_a_smooth_sphere_where_it_should(start):
     radius, mass = 0.1, np.array([0.01])
     errors = []
     for dt in (2e-4, 1e-4, 5e-5):
-        correction = Correction(spheres((0, 0, 0), radius=radius), 1, 0.0)
+        correction = VelocityCorrection(spheres((0, 0, 0), radius=radius), 1, 0.0)
         x, v = radius * np.array([[np.sin(start), 0, np.cos(start)]]), np.zeros((1, 3))
         left = None
         for step in range(round(1.5 / dt)):
@@ -361,7 +361,7 @@ def test_reaction_in_an_accelerating_turning_body():
 
     x = place(0.0)[None]
     v = (place(0.0) - place(-dt))[None] / dt
-    correction, steps = Correction(body, 1, 3.0), 4000
+    correction, steps = VelocityCorrection(body, 1, 3.0), 4000
     worst = 0.0
     for step in range(steps):
         t = step * dt
@@ -381,7 +381,7 @@ def test_reaction_in_an_accelerating_turning_body():
 
 def test_a_moving_wall_takes_the_node_along_and_pays_for_it():
     body = Body([Segment("wall", [10, 10, 10.0], Steady([0, 0, -10], velocity=[0.5, 0, 2.0]))])
-    correction, mass = Correction(body, 1, 0.1), np.array([0.3])
+    correction, mass = VelocityCorrection(body, 1, 0.1), np.array([0.3])
     x, v, dt = np.array([[0, 0, 1e-4]]), np.zeros((1, 3)), 1e-3
     for step in range(3):
         correction(x, v, mass, dt, step * dt)
@@ -416,7 +416,7 @@ def test_forces_turn_with_the_scene():
         v = 3 * rng.standard_normal(x.shape)
         if turn:
             x, v = x @ Q.T + shift, v @ Q.T
-        correction = Correction(Body(segments), len(x), 0.4)
+        correction = VelocityCorrection(Body(segments), len(x), 0.4)
         correction(x, v, np.full(len(x), 1e-3), 1e-3, 0.0)
         results.append((correction.last, correction.segment))
     (last, segment), (turned_last, turned_segment) = results
@@ -445,7 +445,7 @@ def sweep(count, depth):
     x = np.column_stack([s, 0 * s, skin + 0.1 * depth])
     v = np.zeros_like(x)
     v[:, 1], v[:, 2] = 0.3 * depth, crease - depth - x[:, 2]
-    correction = Correction(body, count)
+    correction = VelocityCorrection(body, count)
     correction(x, v, np.ones(count), 1.0, 0.0)
     return s, x + v, correction
 
@@ -476,7 +476,7 @@ def test_crease_shares_the_force():
     assert np.abs(end[::-1] * mirror - end).max() < 1e-13
     body, crease = groove()
     for mu in (0.0, 0.4):
-        correction = Correction(body, 1, mu)
+        correction = VelocityCorrection(body, 1, mu)
         x, v = np.array([[0, 0, crease]]), np.array([[0.0, 0.01, -0.1]])
         correction(x, v, np.ones(1), 1e-3, 0.0)
         left, right = correction.last.segment_impulse
@@ -496,7 +496,7 @@ def test_groove_holds_with_the_sum_of_its_sides():
     for slope, holds in ((0.98 * 0.3 * factor, True), (1.05 * 0.3 * factor, False)):
         angle = np.arctan(slope)
         gravity = G * np.array([0, np.sin(angle), -np.cos(angle)])
-        correction = Correction(body, 1, 0.3)
+        correction = VelocityCorrection(body, 1, 0.3)
         x, v, dt = np.array([[0.0, 0, crease]]), np.zeros((1, 3)), 1e-3
         for step in range(1000):
             v += gravity * (dt if step else dt / 2)
@@ -514,7 +514,7 @@ def test_rest_in_the_pocket_of_three_spheres():
     angles = 2 * np.pi * np.arange(3) / 3
     centres = 0.11 * np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     height = np.sqrt(0.13**2 - 0.11**2)
-    correction = Correction(spheres(*centres, radius=0.13), 1, 0.0)
+    correction = VelocityCorrection(spheres(*centres, radius=0.13), 1, 0.0)
     x, v, dt = np.array([[1e-3, -5e-4, height + 2e-3]]), np.zeros((1, 3)), 1e-3
     for step in range(400):
         v[0, 2] -= G * dt
@@ -536,7 +536,7 @@ def test_concentric_duplicates_do_not_double_the_force(mu):
     v0 = rng.standard_normal(x.shape)
     results = []
     for body in (single, triple):
-        correction = Correction(body, len(x), mu)
+        correction = VelocityCorrection(body, len(x), mu)
         for _ in range(3):
             v = v0.copy()
             correction(x, v, np.ones(len(x)), 2e-3, 0.0)
@@ -596,7 +596,7 @@ def test_pinched_node_is_held_and_counted_not_ejected():
         return pose
 
     body = Body([Segment("left", [0.1] * 3, motion(-1)), Segment("right", [0.1] * 3, motion(1))])
-    correction = Correction(body, 1, 0.3, offset=0.002)
+    correction = VelocityCorrection(body, 1, 0.3, offset=0.002)
     x, v, dt, mass = np.array([[-0.001, 0.001, 0]]), np.zeros((1, 3)), 1e-3, np.array([1e-3])
     pinched, fastest = 0, 0.0
     for step in range(1200):
@@ -612,7 +612,7 @@ def test_pinched_node_is_held_and_counted_not_ejected():
 
 def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed():
     body, dt = spheres((0, 0, 0), (0.02, 0, 0)), 1e-3
-    correction = Correction(body, 1, 0.0, recovery=0.5)
+    correction = VelocityCorrection(body, 1, 0.0, recovery=0.5)
     x, v = np.array([[-0.05, 0.0, 0.0]]), np.zeros((1, 3))
     depths = []
     for step in range(200):
@@ -661,7 +661,7 @@ def test_soft_bodies_let_cloth_into_the_crease_until_they_balance_its_pull():
 
     expected = {np.inf: edge, FLESH: brentq(surplus, 0.7 * edge, edge, xtol=1e-15)}
     for flesh, height in expected.items():
-        correction = Correction(body, 1, flesh=flesh, recovery=1e-9)
+        correction = VelocityCorrection(body, 1, flesh=flesh, recovery=1e-9)
         x = np.array([[0.0, 0.0, edge + 1e-3]])
         v = pull_in(correction, x, np.ones(1), dt, 3000, (0, 0, -pull))
         assert x[0] == pytest.approx([0, 0, height], abs=1e-9) and np.abs(v).max() < 1e-9
@@ -671,7 +671,7 @@ def test_soft_bodies_let_cloth_into_the_crease_until_they_balance_its_pull():
             0.1 - np.hypot(half, height) if flesh < np.inf else 0.0, abs=1e-9
         )
     with pytest.raises(ValueError, match="positive, not 0"):
-        Correction(body, 1, flesh=0.0)
+        VelocityCorrection(body, 1, flesh=0.0)
 
 
 def closing(gap, seconds):
@@ -696,7 +696,7 @@ NONE = np.zeros(3)
 def test_flesh_that_closes_over_cloth_takes_it_to_the_middle_and_gives_the_work_back():
     """Skins overlap by 20 mm and part again: the cloth stays, is let go, and no work is left."""
     body, dt, seconds = closing(0.02, 1.0), 2e-4, 1.0
-    correction = Correction(body, 1, flesh=FLESH)
+    correction = VelocityCorrection(body, 1, flesh=FLESH)
     x, v, mass = np.array([[0.004, 0.0, 0.0]]), np.zeros((1, 3)), np.array([1e-3])
     deepest = 0.0
     for step in range(int(1.2 * seconds / dt)):
@@ -724,7 +724,7 @@ def test_flesh_that_closes_over_cloth_takes_it_to_the_middle_and_gives_the_work_
 def test_flesh_holds_cloth_by_the_friction_of_both_sides(part):
     """Between two spheres that overlap by 10 mm friction holds 2 mu k d, and no more."""
     body, mu, depth = spheres((-0.095, 0, 0), (0.095, 0, 0)), 0.3, 0.005
-    correction = Correction(body, 1, mu, flesh=FLESH)
+    correction = VelocityCorrection(body, 1, mu, flesh=FLESH)
     correction.sunk[:] = body.mask(["s0", "s1"])
     x, v = np.zeros((1, 3)), np.zeros((1, 3))
     dt, pull, steps = 1e-4, part * 2 * mu * FLESH * depth, 20
@@ -743,7 +743,7 @@ def test_ellipsoids_of_one_segment_make_a_hard_crease():
     for half, carriers in ((0.08, ("pelvis", "pelvis")), (0.06, ("thigh", "shank"))):
         body = spheres((-half, 0, 0), (half, 0, 0))
         body.carriers = carriers
-        correction = Correction(body, 1, flesh=1.0)
+        correction = VelocityCorrection(body, 1, flesh=1.0)
         v, dt = np.array([[0.0, 0.0, -3e-3]]), 1e-3
         x = np.array([[0.0, 0.0, np.sqrt(0.1**2 - half**2)]])
         correction(x, v, np.ones(1), dt, 0.0)
@@ -756,7 +756,7 @@ def test_a_node_meets_only_segments_it_can_touch():
     body = spheres((0, 0, 0), (0, 0, 0))
     x, mass = np.tile([0.0, 0.0, 0.1], (3, 1)), np.ones(3)
     allowed = [body.mask(["s0"]), body.mask(["s1"]), 0]
-    correction = Correction(body, 3, allowed=allowed)
+    correction = VelocityCorrection(body, 3, allowed=allowed)
     v = np.tile([0.0, 0.0, -1.0], (3, 1))
     correction(x, v, mass, 1e-3, 0.0)
     assert correction.segment.tolist() == [0, 1, -1]
@@ -769,27 +769,27 @@ def test_a_node_meets_only_segments_it_can_touch():
 def test_nothing_in_reach_nothing_evaluated():
     x, v = np.full((50, 3), 3.0), np.full((50, 3), -1.0)
     kept = v.copy()
-    correction = Correction(limbs(np.random.default_rng(0)), 50, 0.3)
+    correction = VelocityCorrection(limbs(np.random.default_rng(0)), 50, 0.3)
     correction(x, v, np.ones(50), 1e-3, 0.0)
     assert correction.evaluated == correction.active == 0 and np.array_equal(v, kept)
     assert (correction.segment == -1).all() and not correction.last.impulse.any()
     # beside a long limb: in its bounding sphere, still without a closest point
     limb = Body([Segment("limb", [0.5, 0.05, 0.05], Fixed())])
-    correction = Correction(limb, 1)
+    correction = VelocityCorrection(limb, 1)
     correction(np.array([[0, 0.2, 0.2]]), np.zeros((1, 3)), np.ones(1), 1e-3, 0.0)
     assert correction.evaluated == 0
 
 
 def test_fixed_nodes_are_left_alone():
     x, v = np.array([[0, 0, 0.1], [0, 0, 0.1]]), np.array([[0, 0, -1.0], [0, 0, -1.0]])
-    correction = Correction(spheres((0, 0, 0)), 2, 0.3, fixed=[True, False])
+    correction = VelocityCorrection(spheres((0, 0, 0)), 2, 0.3, fixed=[True, False])
     correction(x, v, np.ones(2), 1e-3, 0.0)
     assert np.array_equal(v[0], [0, 0, -1]) and np.abs(v[1]).max() < 1e-12
     assert not correction.last.impulse[0].any() and correction.segment[0] == -1
 
 
 def test_offset_is_where_the_node_rests():
-    correction = Correction(spheres((0, 0, 0)), 1, 0.3, offset=0.007)
+    correction = VelocityCorrection(spheres((0, 0, 0)), 1, 0.3, offset=0.007)
     x, v = np.array([[0, 0, 0.12]]), np.zeros((1, 3))
     for step in range(300):
         v[0, 2] -= G * 1e-3
@@ -799,7 +799,7 @@ def test_offset_is_where_the_node_rests():
 
 
 def test_not_a_number_is_reported_with_its_node():
-    correction = Correction(spheres((0, 0, 0)), 3)
+    correction = VelocityCorrection(spheres((0, 0, 0)), 3)
     for broken in (0, 1):
         arrays = [np.ones((3, 3)), np.ones((3, 3))]
         arrays[broken][2, 1] = np.nan
@@ -816,9 +816,9 @@ def test_wrong_settings_are_refused():
         ({"friction": (0.1, 0.2)}, "kinetic"),
     ):
         with pytest.raises(ValueError, match=message):
-            Correction(body, 3, **settings)
+            VelocityCorrection(body, 3, **settings)
     with pytest.raises(ValueError, match=r"v has shape \(2, 3\), not \(3, 3\)"):
-        Correction(body, 3)(np.zeros((3, 3)), np.zeros((2, 3)), np.ones(3), 1e-3, 0.0)
+        VelocityCorrection(body, 3)(np.zeros((3, 3)), np.zeros((2, 3)), np.ones(3), 1e-3, 0.0)
 
 
 def test_restart_continues_bit_for_bit():
@@ -832,11 +832,11 @@ def test_restart_continues_bit_for_bit():
     body = limbs(rng)
     x = outside(body, 0, rng, 100, 0.02)
     v, mass = np.zeros_like(x), np.ones(len(x))
-    whole = Correction(body, len(x), 0.3)
+    whole = VelocityCorrection(body, len(x), 0.3)
     run(whole, x, v, 0, 40)
     kept = whole.state(), x.copy(), v.copy()
     run(whole, x, v, 40, 40)
-    again = Correction(body, len(x), 0.3)
+    again = VelocityCorrection(body, len(x), 0.3)
     again.restore(kept[0])
     run(again, kept[1], kept[2], 40, 40)
     assert np.array_equal(x, kept[1]) and np.array_equal(v, kept[2])
