@@ -137,9 +137,7 @@ def foot_and_normal(
 
 
 @kernel
-def closest_point(
-    y: np.ndarray, radii: np.ndarray, foot: np.ndarray, normal: np.ndarray
-) -> float:
+def closest_point(y: np.ndarray, radii: np.ndarray, foot: np.ndarray, normal: np.ndarray) -> float:
     """Closest point of the surface of one ellipsoid to a point.
 
     Parameters

@@ -81,9 +81,7 @@ def particle_masses(
 
 
 @kernel
-def collect(
-    nodal: np.ndarray, cells: np.ndarray, weights: np.ndarray, out: np.ndarray
-) -> None:
+def collect(nodal: np.ndarray, cells: np.ndarray, weights: np.ndarray, out: np.ndarray) -> None:
     """Values (m s, k) of the samples from those of the nodes (n, k)."""
     row = 0
     for cell in cells:
@@ -99,9 +97,7 @@ def collect(
 
 
 @kernel
-def spread(
-    impulse: np.ndarray, cells: np.ndarray, weights: np.ndarray, nodal: np.ndarray
-) -> None:
+def spread(impulse: np.ndarray, cells: np.ndarray, weights: np.ndarray, nodal: np.ndarray) -> None:
     """Add the impulses (m s, 3) of the samples to those of the nodes (n, 3 or more)."""
     row = 0
     for cell in cells:
@@ -110,4 +106,3 @@ def spread(
                 for c in range(3):
                     nodal[cell[a], c] += w[a] * impulse[row, c]
             row += 1
-

@@ -73,7 +73,9 @@ class Friction:
                 f"{self.static}, {self.kinetic}"
             )
         if self.kinetic > self.static:
-            raise ValueError(f"kinetic friction {self.kinetic} exceeds static friction {self.static}")
+            raise ValueError(
+                f"kinetic friction {self.kinetic} exceeds static friction {self.static}"
+            )
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -234,9 +234,7 @@ def pushing(kinetic_coefficient: Callable) -> Any:
             # positions that velocities did not move: forces did work on that way
             astray = 0.0
             for c in range(3):
-                astray += (
-                    mass[i] * mean[i, c] * (moved[i, c] - 0.5 * dt * (v_old[i, c] + free[c]))
-                )
+                astray += mass[i] * mean[i, c] * (moved[i, c] - 0.5 * dt * (v_old[i, c] + free[c]))
             impulse[i] = 0.0
             for k in range(PLANES):
                 if owner[k] < 0:
@@ -255,9 +253,7 @@ def pushing(kinetic_coefficient: Callable) -> Any:
                 book_impulse(book[owner[k]], centre, x[i], planes[k], done, lost, impact)
             for c in range(3):
                 v[i, c] += impulse[i, c] / mass[i]
-                pushed[i, c] = (
-                    impulse[i, c] / (mass[i] * dt) if before[i] > OPEN else -a[i, c]
-                )
+                pushed[i, c] = impulse[i, c] / (mass[i] * dt) if before[i] > OPEN else -a[i, c]
         return active, sticking
 
     return push

@@ -50,9 +50,7 @@ def push_out(last, work, planes):
             work.first = k
         for c in range(3):
             planes[k].friction[c] = 0.0
-    work.pushing = nearest_step(
-        work.free, planes, work.count, work.first, work.roundoff, work.step
-    )
+    work.pushing = nearest_step(work.free, planes, work.count, work.first, work.roundoff, work.step)
     if work.pushing != 0 and work.pushing != 1 and work.depth > work.roundoff:
         # where several segments hold the node, the way out may be EJECTION times the overlap
         least = work.recovery / EJECTION

@@ -110,7 +110,10 @@ def from_cloth(planes, first, last, k, segments, out):
     if k < first:
         return
     for j in range(first, last):
-        if j == k or (segments[planes[k].owner].moving_together >> segments[planes[j].owner].bit) & 1:
+        if (
+            j == k
+            or (segments[planes[k].owner].moving_together >> segments[planes[j].owner].bit) & 1
+        ):
             continue
         common = 0.5 * min(push, planes[j].push)
         for c in range(3):

@@ -219,9 +219,7 @@ class VelocityCorrection:
         step, work, last = self._step, self._work, self.last
         work["dt"], work["recovery"] = dt, self._recovery * dt
         start, end = self._start, self._end
-        set_motion(
-            start.centres, start.axes, end.centres, end.axes, work["offset"], self._segments
-        )
+        set_motion(start.centres, start.axes, end.centres, end.axes, work["offset"], self._segments)
         bad = self._correct(
             x, v, old, mass, self._nodes, step, self._segments, self._planes, last.impulse,
             last.table,

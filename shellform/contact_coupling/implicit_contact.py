@@ -127,7 +127,13 @@ class ImplicitTouch:
             total, most = total + done.iterations, max(most, done.iterations)
             x1 = stepper.points + stepper.owned[:, :3]
             changed, gap, soft = self._judge(
-                x0, x1, eq.contact_force(), eq.factor[:, 0], self._segments, self._step[0], self._set
+                x0,
+                x1,
+                eq.contact_force(),
+                eq.factor[:, 0],
+                self._segments,
+                self._step[0],
+                self._set,
             )
             changed = comm.allreduce(changed)
             gap, soft = comm.allreduce(gap, MPI.MAX), comm.allreduce(soft, MPI.MAX)

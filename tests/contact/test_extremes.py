@@ -75,7 +75,8 @@ def test_thin_rods_pass_only_where_it_is_told(radius, samples):
     elif samples == 0:
         assert not out["caught"]
         need = int(out["told"][0].rsplit("=", 1)[1])
-        assert not too_thin(["rod"], [[radius] * 3], 0.04, 5e-4, need)
+        rod = Body([Segment("rod", [radius] * 3, Fixed())])
+        assert not too_thin(rod, 0.04, 5e-4, need)
 
 
 @pytest.mark.parametrize("count", [1, 62, 200])

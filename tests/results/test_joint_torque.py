@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 import meshes
-from contact.solver.node_contact import WORK
+from contact.solver.contact_ledger import WORK
 from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell
 from shellform.contact_coupling.explicit_contact import Touch
