@@ -71,7 +71,7 @@ def _put_on(x, segments, offset, nodes, i):
 
 
 @kernel
-def begin(x0: np.ndarray, segments: np.ndarray, work: np.void, nodes: Set) -> float:
+def begin(x0: np.ndarray, segments: np.ndarray, work: Any, nodes: Set) -> float:
     """Carry last step's set to the start of a step at x0 (n, 3); deepest start inside [m].
 
     segments : (m,) SEGMENT; work : STEP

@@ -81,7 +81,7 @@ def take(source: Set, target: Set) -> None:
 
 
 @kernel
-def dot(a, b):
+def dot(a: np.ndarray, b: np.ndarray) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -137,7 +137,9 @@ def sharing(kinetic_coefficient: Callable) -> Any:
 
 
 @kernel
-def constrain(points, nodes, axes, held, goal):
+def constrain(
+    points: np.ndarray, nodes: Set, axes: np.ndarray, held: np.ndarray, goal: np.ndarray
+) -> None:
     """Axes, held directions and displacements along them (Inertial.hold) from the set."""
     for i in range(len(points)):
         axes[i] = 0.0

@@ -22,7 +22,7 @@ from .supporting_planes import find_planes, keep_one_exit
 
 
 @kernel
-def begin_path(work):
+def begin_path(work: Any) -> None:
     """At the start of the step, with no planes."""
     for c in range(3):
         work.step[c] = work.free[c]
@@ -32,7 +32,7 @@ def begin_path(work):
 
 
 @kernel
-def look_at_depths(work, found, segments, planes):
+def look_at_depths(work: Any, found: int, segments: np.ndarray, planes: np.ndarray) -> None:
     """Take up the depths of planes from `count` to before `found`; counts those deep inside."""
     work.inside = 0
     for k in range(work.count, found):
@@ -42,7 +42,7 @@ def look_at_depths(work, found, segments, planes):
 
 
 @kernel
-def push_out(last, work, planes):
+def push_out(last: int, work: Any, planes: np.ndarray) -> None:
     """The nearest admissible step without friction; `last` is the segment touched last."""
     work.first = -1
     for k in range(work.count):
@@ -63,7 +63,15 @@ def push_out(last, work, planes):
 
 
 @kernel
-def book_planes(x, v, mass, work, segments, planes, book):
+def book_planes(
+    x: np.ndarray,
+    v: np.ndarray,
+    mass: float,
+    work: Any,
+    segments: np.ndarray,
+    planes: np.ndarray,
+    book: np.ndarray,
+) -> int:
     """Book the impulses of all planes; the segment that pushes most, or -1."""
     count, every, dt = work.count, work.count + work.soft, work.dt
     segment, greatest, normal = -1, 0.0, work.at

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact of a shell in explicit steps: the hook between the kick and the drift, Eqs. 15 and 16.
 
-Gives the arrays of a stepper's owned nodes to `contact.solver.velocity_correction.VelocityCorrection` and books what it did. Cloth is
+Gives the arrays of a stepper's owned nodes to `VelocityCorrection` and books what it did. Cloth is
 met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
@@ -49,7 +49,7 @@ class Touch:
 
     Attributes
     ----------
-    correction : contact.solver.velocity_correction.VelocityCorrection, with its counters and ledgers, those of samples included
+    correction : VelocityCorrection, with its counters and ledgers, those of samples included
     inner : VelocityCorrection of the samples, or None
     seconds : float, spent in contact
     notes : list of str, ellipsoids that can pass between the points that are met

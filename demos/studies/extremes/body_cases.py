@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Points and patches of cloth that meet bodies under extreme conditions; see extremes_of_bodies.py.
 
-Points of mass meet a body by `contact.VelocityCorrection`, a patch of cloth by `Touch` and `ImplicitTouch`.
+Points of mass meet a body by `VelocityCorrection`, a patch of cloth by `Touch` and `ImplicitTouch`.
 What is measured: momentum changed but not booked, the deepest point at the end, the growth of
 energy in each contact, slip against its closed form.
 """
