@@ -16,7 +16,7 @@ from contact.kernel import kernel
 
 from .contact_ledger import book_impulse
 from .nearest_step import EJECTION, PINCHED, nearest_step
-from .plane_friction import friction_on_planes
+from .plane_friction import friction_kernel
 from .soft_contact import from_cloth, opposed, soft_pushes
 from .supporting_planes import find_planes, keep_one_exit
 
@@ -94,8 +94,8 @@ def book_planes(
 
 
 @cache
-def contact_of_node(kinetic_coefficient: Callable) -> Any:
-    """Kernel meet_body(x, v, mass, node, work, segments, planes, book) of a law of friction.
+def node_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel correct_node(x, v, mass, node, work, segments, planes, book) of a law of friction.
 
     x, v : (3,) float, position at t [m], velocity before contact [m/s]
     mass : float, effective mass [kg]
@@ -107,7 +107,7 @@ def contact_of_node(kinetic_coefficient: Callable) -> Any:
     Returns the segment (-1: no contact), the depth at the start [m], the same of a pinched node,
     whose first depth is zero.
     """
-    apply_friction = friction_on_planes(kinetic_coefficient)
+    apply_friction = friction_kernel(kinetic_coefficient)
 
     @kernel
     def follow_path(x, mass, node, work, segments, planes):
@@ -134,7 +134,7 @@ def contact_of_node(kinetic_coefficient: Callable) -> Any:
                 return 0
 
     @kernel
-    def meet_body(x, v, mass, node, work, segments, planes, book):
+    def correct_node(x, v, mass, node, work, segments, planes, book):
         begun, pinch = 0, 0.0
         while True:  # again whenever segments are found to press the node against each other
             for c in range(3):
@@ -174,4 +174,4 @@ def contact_of_node(kinetic_coefficient: Callable) -> Any:
         work.sticking += work.stick
         return segment, depth, pinch
 
-    return meet_body
+    return correct_node

@@ -30,7 +30,7 @@ from contact.kernel import kernel
 from .broad_phase import LEAST, STEPS, clearance_left, measure, surface_motion
 from .contact_ledger import Ledger
 from .friction import Friction, as_friction
-from .node_contact import contact_of_node
+from .node_contact import node_kernel
 from .segment_motion import in_reach, segment_records, set_motion
 from .step_record import NODE, set_friction, step_record
 from .supporting_planes import PLANE
@@ -71,7 +71,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
     One step of contact for all nodes, see VelocityCorrection; 0, or the number + 1 of a node that
     is not finite.
     """
-    meet_body = contact_of_node(kinetic_coefficient)
+    correct_node = node_kernel(kinetic_coefficient)
 
     @kernel
     def correct(x, v, old, mass, nodes, step, segments, planes, impulse, book):
@@ -90,7 +90,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
                 continue
             for c in range(3):
                 work.kick[c] = v[i, c] - old[i, c]
-            node.segment, depth, pinch = meet_body(
+            node.segment, depth, pinch = correct_node(
                 x[i], v[i], mass[i], node, work, segments, planes, book
             )
             work.max_depth = max(work.max_depth, depth)

@@ -6,7 +6,7 @@ import pytest
 
 from contact.body.segments import Body, Fixed, Segment, Steady, turned
 from contact.geometry.capsule import Capsule
-from contact.solver.active_set import begin, judging
+from contact.solver.active_set import begin, judge_kernel
 from contact.solver.cell_samples import too_thin
 from contact.solver.friction import Friction
 from contact.solver.held_nodes import SLIP, STICK, new
@@ -146,7 +146,7 @@ def test_implicit_contact_holds_nodes_on_a_bar():
     normal = nodes.normal[0, 0].copy()
     across = np.array([1.0, 0.0, 0.0])
     force = np.array([normal + 0.49 * across, normal + 0.6 * across])
-    judge = judging(law.kinetic_coefficient)
+    judge = judge_kernel(law.kinetic_coefficient)
     changes, _, _ = judge(x0, nodes.anchor.copy(), force, np.ones(2), segments, step[0], nodes)
     assert changes == 1 and nodes.state.tolist() == [STICK, SLIP]
     assert nodes.load[1] == pytest.approx(0.4 * np.sign(nodes.load[1, 0]) * across, abs=1e-15)

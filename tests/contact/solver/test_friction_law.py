@@ -14,10 +14,10 @@ from scipy.integrate import solve_ivp
 
 from contact.body.segments import Body, Fixed, Segment
 from contact.kernel import kernel
-from contact.solver.active_set import judging
+from contact.solver.active_set import judge_kernel
 from contact.solver.contact_ledger import BOOKED, FRICTION
 from contact.solver.friction import Friction, as_friction
-from contact.solver.held_nodes import SLIP, STICK, SolvedStep, new, pushing
+from contact.solver.held_nodes import SLIP, STICK, SolvedStep, new, push_kernel
 from contact.solver.segment_motion import segment_records, set_motion
 from contact.solver.step_record import step_record
 from contact.solver.velocity_correction import VelocityCorrection
@@ -122,7 +122,7 @@ def test_implicit_steps_push_with_the_same_law():
     v = np.array([[speed, 0.0, -G * dt]])
     solved = SolvedStep(zero, v, np.array([[speed, 0.0, 0.0]]), zero, dt * v, zero, mass)
     impulse, book, pushed = np.zeros((1, 3)), np.zeros((1, BOOKED)), np.zeros((1, 3))
-    push = pushing(LAW.kinetic_coefficient)
+    push = push_kernel(LAW.kinetic_coefficient)
     held = push(
         solved, pose.velocities, pose.spins, segments, work, nodes.state, nodes, impulse, book,
         pushed,
@@ -138,7 +138,7 @@ def test_implicit_steps_push_with_the_same_law():
 def test_implicit_steps_load_slipping_nodes_with_the_same_law():
     """The return map: friction against the way of the step, mu(way / dt) of the normal force."""
     dt, way = 0.01, 3e-3
-    judge = judging(LAW.kinetic_coefficient)
+    judge = judge_kernel(LAW.kinetic_coefficient)
     segments, work, nodes, _ = held_on_a_plain(LAW, SLIP, dt)
     x1, pull = np.array([[way, 0.0, 0.0]]), np.array([1e5])
     reaction = np.array([[0.0, 0.0, 2.0]])
