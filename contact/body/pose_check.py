@@ -22,8 +22,17 @@ JUMP = 0.01  # more than the velocities say [m]; smaller ones bend no cell, and 
 
 @kernel
 def first_jump(
-    centres, axes, velocities, spins, end_centres, end_axes, end_velocities, end_spins, extents, dt
-):  # fmt: skip
+    centres: np.ndarray,
+    axes: np.ndarray,
+    velocities: np.ndarray,
+    spins: np.ndarray,
+    end_centres: np.ndarray,
+    end_axes: np.ndarray,
+    end_velocities: np.ndarray,
+    end_spins: np.ndarray,
+    extents: np.ndarray,
+    dt: float,
+) -> tuple[int, float]:
     """First segment that jumps over a step, and the jump [m]; -1 and 0 without.
 
     Parameters

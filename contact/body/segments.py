@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The body: named segments in prescribed rigid motion, posed by markers (Eq. 17).
 
-A segment has a constant shape, an ellipsoid or another, and a motion; its motion gives the pose (centre, axes, velocity of
-the centre, spin) at any time. Axes are rows e1, e2, e3: local coordinates are axes @ (x - centre).
+A segment has a constant shape, an ellipsoid or another, and a motion; its motion gives the pose
+(centre, axes, velocity of the centre, spin) at any time. Axes are rows e1, e2, e3: local
+coordinates are axes @ (x - centre).
 """
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -97,7 +98,8 @@ class Segment:
         if not (isinstance(name, str) and name):
             raise ValueError(f"a segment needs a name, not {name!r}")
         self.name, self.motion = name, motion
-        self.shape: Shape = shape if isinstance(shape, SHAPES) else ellipsoid(name, shape)
+        given = isinstance(shape, SHAPES)
+        self.shape: Shape = cast(Shape, shape) if given else ellipsoid(name, cast(ArrayLike, shape))
         self.pose = motion.pose if hasattr(motion, "pose") else motion
         self.moves = getattr(motion, "moves", True)
 
@@ -110,7 +112,7 @@ class Segment:
 
 
 class Body:
-    """Named segments; any object with the attributes below, new_pose() and pose(t, out) can stand in.
+    """Named segments; any object with these attributes, new_pose() and pose(t, out) can stand in.
 
     Parameters
     ----------

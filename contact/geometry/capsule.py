@@ -31,7 +31,7 @@ def _foot_and_normal(size, y0, y1, y2):
 
 @kernel
 def _least_distance(size, y0, y1, y2):
-    """The distance from the endless cylinder, or from the planes at both ends: whichever is more."""
+    """Distance from the endless cylinder or from the planes at both ends: whichever is more."""
     across = np.sqrt(y1 * y1 + y2 * y2) - size[1]
     return max(across, abs(y0) - size[0] - size[1])
 

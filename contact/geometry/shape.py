@@ -111,13 +111,13 @@ _least_distance = _of_all([kind.least_distance for kind in SHAPES])  # type: ign
 
 @kernel
 def foot_and_normal(
-    segment: np.void, y0: float, y1: float, y2: float
+    segment: Any, y0: float, y1: float, y2: float
 ) -> tuple[float, float, float, float, float, float, float]:
     """Distance [m], foot [m] and normal of a point in the axes of a segment, see `Shape`."""
     return _foot_and_normal(segment.kind, segment.size, y0, y1, y2)
 
 
 @kernel
-def least_distance(segment: np.void, y0: float, y1: float, y2: float) -> float:
+def least_distance(segment: Any, y0: float, y1: float, y2: float) -> float:
     """No more than the distance [m] of a point outside, in the axes of a segment."""
     return _least_distance(segment.kind, segment.size, y0, y1, y2)

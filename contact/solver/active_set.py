@@ -13,7 +13,7 @@ import numpy as np
 from contact.geometry.shape import foot_and_normal
 from contact.kernel import kernel
 
-from .held_nodes import FIXED, OPEN, PASSES, PLANES, SLIP, STICK, Set, dot, sharing
+from .held_nodes import FIXED, OPEN, PASSES, PLANES, SLIP, STICK, Set, dot, share_kernel
 from .segment_motion import turned_by
 
 INSIDE = 1e-9  # m: a node is met when it ends deeper than this
@@ -71,7 +71,7 @@ def _put_on(x, segments, offset, nodes, i):
 
 
 @kernel
-def begin(x0: np.ndarray, segments: np.ndarray, work: np.void, nodes: Set) -> float:
+def begin(x0: np.ndarray, segments: np.ndarray, work: Any, nodes: Set) -> float:
     """Carry last step's set to the start of a step at x0 (n, 3); deepest start inside [m].
 
     segments : (m,) SEGMENT; work : STEP
@@ -190,7 +190,7 @@ def _hold(x0, x1, segments, work, nodes, i, count):
 
 
 @cache
-def judging(kinetic_coefficient: Callable) -> Any:
+def judge_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel judge(x0, x1, force, pull, segments, work, nodes) of a law of friction.
 
     Changes the set after a solve from x0 (n, 3) that ended at x1 with reactions `force` (n, 3) [N].
@@ -200,7 +200,7 @@ def judging(kinetic_coefficient: Callable) -> Any:
     Returns the changes; the largest distance of a held node from its surfaces [m]; the largest
     change of a friction load over what the normal force allows.
     """
-    share = sharing(kinetic_coefficient)
+    share = share_kernel(kinetic_coefficient)
 
     @kernel
     def return_map(x1, pull, total, work, nodes, i):

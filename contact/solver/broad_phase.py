@@ -11,6 +11,8 @@ Positions are compared with the place of the measurement, so a node may be moved
 between; after a pose that does not follow the last one everything is measured anew.
 """
 
+from typing import Any
+
 import numpy as np
 
 from contact.geometry.shape import foot_and_normal, least_distance
@@ -25,7 +27,7 @@ MOST_TURN = 0.1  # radians a step, above which nothing is left out
 
 
 @kernel
-def surface_motion(segments, offset):
+def surface_motion(segments: np.ndarray, offset: float) -> tuple[float, float]:
     """Bound [m] on the way of any surface point in this step, smallest inner radius [m] of all."""
     most, thinnest, turned = 0.0, np.inf, 0.0
     for b in range(len(segments)):
@@ -42,14 +44,16 @@ def surface_motion(segments, offset):
 
 
 @kernel
-def clearance_left(x, path, motion, node):
+def clearance_left(x: np.ndarray, path: float, motion: float, node: Any) -> float:
     """What is left [m] of the clearance of a node for its step, the body's motion taken off."""
     d0, d1, d2 = x[0] - node.place[0], x[1] - node.place[1], x[2] - node.place[2]
     return node.clearance - np.sqrt(d0 * d0 + d1 * d1 + d2 * d2) - (path - node.path) - motion
 
 
 @kernel
-def measure(x, path, margin, segments, offset, node):
+def measure(
+    x: np.ndarray, path: float, margin: float, segments: np.ndarray, offset: float, node: Any
+) -> int:
     """Measure how far a node is from the segments that it can touch; fills its record.
 
     Others are not far: it may be able to touch them later. Returns closest points evaluated.

@@ -15,7 +15,7 @@ once, where Eq. 16 still has mu_s at v_T = 0; and a sliding node is caught when 
 mu_s j_n, not at exactly zero. As mu_k <= mu_s, kinetic friction never turns the slip around.
 
 Another law is a class like `Friction` in a file of its own, with a kernel for its mu_k at a slip
-speed; the cone is the same for all (`cone_of`). Numba compiles one set of kernels for each law.
+speed; the cone is the same for all (`cone_kernel`). Numba compiles one set of kernels for each law.
 """
 
 from collections.abc import Callable
@@ -100,7 +100,7 @@ def as_friction(friction: Friction | ArrayLike) -> Friction:
 
 
 @cache
-def cone_of(kinetic_coefficient: Callable) -> Any:
+def cone_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel of the friction cone of a law.
 
     transmitted(normal, trial, speed, parameters) gives the fraction of the trial impulse that

@@ -15,7 +15,7 @@ import numpy as np
 from contact.kernel import kernel
 
 from .contact_ledger import book_impulse
-from .friction import cone_of
+from .friction import cone_kernel
 
 FIXED, OPEN, SLIP, STICK = -1, 0, 1, 2
 PLANES = 3
@@ -81,12 +81,12 @@ def take(source: Set, target: Set) -> None:
 
 
 @kernel
-def dot(a, b):
+def dot(a: np.ndarray, b: np.ndarray) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @cache
-def sharing(kinetic_coefficient: Callable) -> Any:
+def share_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel share(free, surface, normal, owner, mass, rough, speeds, friction, push) of a law.
 
     Impulses (or forces) of the planes that hold a node.
@@ -100,7 +100,7 @@ def sharing(kinetic_coefficient: Callable) -> Any:
 
     Returns the sum of the normal impulses; True if all friction that was asked for is transmitted.
     """
-    transmitted = cone_of(kinetic_coefficient)
+    transmitted = cone_kernel(kinetic_coefficient)
 
     @kernel
     def share(free, surface, normal, owner, mass, rough, speeds, friction, push):
@@ -137,7 +137,9 @@ def sharing(kinetic_coefficient: Callable) -> Any:
 
 
 @kernel
-def constrain(points, nodes, axes, held, goal):
+def constrain(
+    points: np.ndarray, nodes: Set, axes: np.ndarray, held: np.ndarray, goal: np.ndarray
+) -> None:
     """Axes, held directions and displacements along them (Inertial.hold) from the set."""
     for i in range(len(points)):
         axes[i] = 0.0
@@ -201,7 +203,7 @@ def _velocities_of_planes(x, owner, segments, velocities, spins, surface):
 
 
 @cache
-def pushing(kinetic_coefficient: Callable) -> Any:
+def push_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel push(solved, velocities, spins, segments, work, before, nodes, impulse, book, pushed)
     of a law: impulses of a solved step on its velocities v, booked.
 
@@ -212,7 +214,7 @@ def pushing(kinetic_coefficient: Callable) -> Any:
 
     Returns the nodes held, of these in stick.
     """
-    share = sharing(kinetic_coefficient)
+    share = share_kernel(kinetic_coefficient)
 
     @kernel
     def push(solved, velocities, spins, segments, work, before, nodes, impulse, book, pushed):

@@ -16,13 +16,13 @@ from contact.kernel import kernel
 
 from .contact_ledger import book_impulse
 from .nearest_step import EJECTION, PINCHED, nearest_step
-from .plane_friction import friction_on_planes
+from .plane_friction import friction_kernel
 from .soft_contact import from_cloth, opposed, soft_pushes
 from .supporting_planes import find_planes, keep_one_exit
 
 
 @kernel
-def begin_path(work):
+def begin_path(work: Any) -> None:
     """At the start of the step, with no planes."""
     for c in range(3):
         work.step[c] = work.free[c]
@@ -32,7 +32,7 @@ def begin_path(work):
 
 
 @kernel
-def look_at_depths(work, found, segments, planes):
+def look_at_depths(work: Any, found: int, segments: np.ndarray, planes: np.ndarray) -> None:
     """Take up the depths of planes from `count` to before `found`; counts those deep inside."""
     work.inside = 0
     for k in range(work.count, found):
@@ -42,7 +42,7 @@ def look_at_depths(work, found, segments, planes):
 
 
 @kernel
-def push_out(last, work, planes):
+def push_out(last: int, work: Any, planes: np.ndarray) -> None:
     """The nearest admissible step without friction; `last` is the segment touched last."""
     work.first = -1
     for k in range(work.count):
@@ -63,7 +63,15 @@ def push_out(last, work, planes):
 
 
 @kernel
-def book_planes(x, v, mass, work, segments, planes, book):
+def book_planes(
+    x: np.ndarray,
+    v: np.ndarray,
+    mass: float,
+    work: Any,
+    segments: np.ndarray,
+    planes: np.ndarray,
+    book: np.ndarray,
+) -> int:
     """Book the impulses of all planes; the segment that pushes most, or -1."""
     count, every, dt = work.count, work.count + work.soft, work.dt
     segment, greatest, normal = -1, 0.0, work.at
@@ -86,8 +94,8 @@ def book_planes(x, v, mass, work, segments, planes, book):
 
 
 @cache
-def contact_of_node(kinetic_coefficient: Callable) -> Any:
-    """Kernel meet_body(x, v, mass, node, work, segments, planes, book) of a law of friction.
+def node_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel correct_node(x, v, mass, node, work, segments, planes, book) of a law of friction.
 
     x, v : (3,) float, position at t [m], velocity before contact [m/s]
     mass : float, effective mass [kg]
@@ -99,7 +107,7 @@ def contact_of_node(kinetic_coefficient: Callable) -> Any:
     Returns the segment (-1: no contact), the depth at the start [m], the same of a pinched node,
     whose first depth is zero.
     """
-    apply_friction = friction_on_planes(kinetic_coefficient)
+    apply_friction = friction_kernel(kinetic_coefficient)
 
     @kernel
     def follow_path(x, mass, node, work, segments, planes):
@@ -126,7 +134,7 @@ def contact_of_node(kinetic_coefficient: Callable) -> Any:
                 return 0
 
     @kernel
-    def meet_body(x, v, mass, node, work, segments, planes, book):
+    def correct_node(x, v, mass, node, work, segments, planes, book):
         begun, pinch = 0, 0.0
         while True:  # again whenever segments are found to press the node against each other
             for c in range(3):
@@ -166,4 +174,4 @@ def contact_of_node(kinetic_coefficient: Callable) -> Any:
         work.sticking += work.stick
         return segment, depth, pinch
 
-    return meet_body
+    return correct_node

@@ -14,21 +14,21 @@ import numpy as np
 
 from contact.kernel import kernel
 
-from .friction import cone_of
+from .friction import cone_kernel
 from .nearest_step import PINCHED, nearest_step
 
 PASSES = 12  # of friction where several segments hold a node
 
 
 @cache
-def friction_on_planes(kinetic_coefficient: Callable) -> Any:
+def friction_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel apply_friction(mass, work, planes) of a law of friction.
 
     `work` (STEP) holds the planes (`count` of hard segments, after them `soft` ones whose pushes
     are in `free`) and the step; `step`, `pushing` and `stick` are updated, the planes get their
     corrections by friction.
     """
-    transmitted = cone_of(kinetic_coefficient)
+    transmitted = cone_kernel(kinetic_coefficient)
 
     @kernel
     def one_pass(mass, work, planes):

@@ -7,6 +7,8 @@ surface, v_c + omega x r at mid-step with an error of second order, and a point 
 where it is on the body for any number of steps.
 """
 
+from typing import Any
+
 import numpy as np
 
 from contact.body.segment_sets import bits_of, moving_together
@@ -80,7 +82,7 @@ def set_motion(
 
 
 @kernel
-def in_reach(x, length, segments, allowed):
+def in_reach(x: np.ndarray, length: float, segments: np.ndarray, allowed: int) -> bool:
     """Whether a step of some length [m] from x can come near any segment it can touch."""
     for b in range(len(segments)):
         segment = segments[b]
@@ -95,7 +97,7 @@ def in_reach(x, length, segments, allowed):
 
 
 @kernel
-def turned_by(matrix, q0, q1, q2):
+def turned_by(matrix: np.ndarray, q0: float, q1: float, q2: float) -> tuple[float, float, float]:
     """Product of a matrix (3, 3) and a vector, in scalars."""
     return (
         matrix[0, 0] * q0 + matrix[0, 1] * q1 + matrix[0, 2] * q2,
@@ -105,7 +107,7 @@ def turned_by(matrix, q0, q1, q2):
 
 
 @kernel
-def drift_of(segment, q0, q1, q2):
+def drift_of(segment: Any, q0: float, q1: float, q2: float) -> tuple[float, float, float]:
     """Way of the material point at centre + q over the step, in scalars [m]."""
     u0, u1, u2 = turned_by(segment.turn, q0, q1, q2)
     return u0 + segment.shift[0], u1 + segment.shift[1], u2 + segment.shift[2]

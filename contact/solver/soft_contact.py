@@ -21,6 +21,10 @@ Their sum, the force on the cloth, stays; of two equal opposite pushes nothing i
 Segments on one and the same carrier (`moving_together`) make a hard crease, as one body does.
 """
 
+from typing import Any
+
+import numpy as np
+
 from contact.geometry.shape import foot_and_normal
 from contact.kernel import kernel
 
@@ -33,7 +37,9 @@ RESOLVED = 0.1  # of 1/dt^2, the greatest stiffness over mass that steps of dt f
 
 
 @kernel
-def soft_pushes(x, node, begun, work, segments, planes):
+def soft_pushes(
+    x: np.ndarray, node: Any, begun: int, work: Any, segments: np.ndarray, planes: np.ndarray
+) -> float:
     """Pushes of the soft segments that a node lies in; `work.free` is changed by them.
 
     Parameters
@@ -79,7 +85,7 @@ def soft_pushes(x, node, begun, work, segments, planes):
 
 
 @kernel
-def opposed(planes, count, segments, every):
+def opposed(planes: np.ndarray, count: int, segments: np.ndarray, every: bool) -> int:
     """Set of the segments whose planes are turned against one of another segment.
 
     planes : (m,) PLANE, the first `count` in use; those that push, or `every` one
@@ -99,7 +105,9 @@ def opposed(planes, count, segments, every):
 
 
 @kernel
-def from_cloth(planes, first, last, k, segments, out):
+def from_cloth(
+    planes: np.ndarray, first: int, last: int, k: int, segments: np.ndarray, out: np.ndarray
+) -> None:
     """Push (3,) of plane k that is booked, into out: less what is flesh on flesh.
 
     planes : (m,) PLANE, from `first` to before `last` those of soft parts

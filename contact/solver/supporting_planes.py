@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What bounds the step of one node: a supporting plane for every segment it may reach.
 
-Everything is seen from the moving body (segment_motion.py): a point that stays with the body makes the step
-`drift`, one that makes `step` moves by step - drift relative to it, straight in the body's axes.
+Everything is seen from the moving body (segment_motion.py): a point that stays with the body makes
+the step `drift`, one that makes `step` moves by step - drift relative to it, straight in the body's
+axes.
 
 A segment, also one grown by the offset, is convex: a plane that touches it where the path first
 meets it has the start on one side and the whole segment on the other. A step that ends on the
@@ -14,6 +15,8 @@ For a short step the plane at the closest point to the start does as well: only 
 step^2 / (2 R) above the surface differs. A point in contact is of this kind and costs one
 closest point.
 """
+
+from typing import Any
 
 import numpy as np
 
@@ -67,7 +70,19 @@ def _first_contact(segment, y0, y1, y2, p0, p1, p2, offset):
 
 
 @kernel
-def set_plane(plane, owner, segment, n0, n1, n2, height, depth, u0, u1, u2):
+def set_plane(
+    plane: Any,
+    owner: int,
+    segment: Any,
+    n0: float,
+    n1: float,
+    n2: float,
+    height: float,
+    depth: float,
+    u0: float,
+    u1: float,
+    u2: float,
+) -> None:
     """Fill one record from a normal in the segment's axes and the height above the start."""
     axes = segment.end_axes
     plane.owner, plane.depth, plane.push = owner, depth, 0.0
@@ -99,7 +114,9 @@ def _has_plane(planes, count, b):
 
 
 @kernel
-def find_planes(x, allowed, far, work, segments, planes):
+def find_planes(
+    x: np.ndarray, allowed: int, far: int, work: Any, segments: np.ndarray, planes: np.ndarray
+) -> int:
     """Add planes of the segments that the next leg of the path may reach and that have none yet.
 
     The leg goes from x + at, at the fraction tau of the step, to x + step at its end. All segments
@@ -204,7 +221,9 @@ def _is_outside(x, k, work, segments, count, planes):
 
 
 @kernel
-def keep_one_exit(x, last, work, segments, count, planes):
+def keep_one_exit(
+    x: np.ndarray, last: int, work: Any, segments: np.ndarray, count: int, planes: np.ndarray
+) -> int:
     """For a node that starts deep inside several segments, keep the plane of one way out.
 
     The way out of one segment may lead into another; those are not on the surface of the body as a

@@ -3,10 +3,10 @@
 
 A stepper of leapfrog type has positions x at t and free velocities v, advanced over the step by all
 forces but contact; x + dt v would be the positions at t + dt. Where that step would enter the body,
-v is changed: first along the normals (supporting_planes.py, nearest_step.py), then by friction (friction.py). Every
-change is an impulse m (v_after - v_before) and is booked, per node and per segment, so that
-momentum closes to roundoff and the mean of impulse / dt is the contact force. A node at rest gets
-its weight times dt in each step.
+v is changed: first along the normals (supporting_planes.py, nearest_step.py), then by friction
+(plane_friction.py). Every change is an impulse m (v_after - v_before) and is booked, per node and
+per segment, so that momentum closes to roundoff and the mean of impulse / dt is the contact force.
+A node at rest gets its weight times dt in each step.
 
 All impulses booked act on the cloth; the segment receives the opposite.
 
@@ -30,7 +30,7 @@ from contact.kernel import kernel
 from .broad_phase import LEAST, STEPS, clearance_left, measure, surface_motion
 from .contact_ledger import Ledger
 from .friction import Friction, as_friction
-from .node_contact import contact_of_node
+from .node_contact import node_kernel
 from .segment_motion import in_reach, segment_records, set_motion
 from .step_record import NODE, set_friction, step_record
 from .supporting_planes import PLANE
@@ -39,7 +39,7 @@ EVERY = 2**63 - 1  # all segments
 
 
 @kernel
-def begin_step(work, segments):
+def begin_step(work: Any, segments: np.ndarray) -> None:
     """Bounds on the motion of the body for the broad phase; counts are set to zero."""
     work.motion, work.thinnest = surface_motion(segments, work.offset)
     work.evaluated, work.active, work.sticking, work.pinched = 0, 0, 0, 0
@@ -47,7 +47,7 @@ def begin_step(work, segments):
 
 
 @kernel
-def may_meet(x, v, node, work, segments):
+def may_meet(x: np.ndarray, v: np.ndarray, node: Any, work: Any, segments: np.ndarray) -> bool:
     """Whether a node can come near any segment in its step; distances are measured if needed."""
     reach = work.dt * np.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
     if node.fixed:
@@ -71,7 +71,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
     One step of contact for all nodes, see VelocityCorrection; 0, or the number + 1 of a node that
     is not finite.
     """
-    meet_body = contact_of_node(kinetic_coefficient)
+    correct_node = node_kernel(kinetic_coefficient)
 
     @kernel
     def correct(x, v, old, mass, nodes, step, segments, planes, impulse, book):
@@ -90,7 +90,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
                 continue
             for c in range(3):
                 work.kick[c] = v[i, c] - old[i, c]
-            node.segment, depth, pinch = meet_body(
+            node.segment, depth, pinch = correct_node(
                 x[i], v[i], mass[i], node, work, segments, planes, book
             )
             work.max_depth = max(work.max_depth, depth)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact of a shell in explicit steps: its turn between the kick and the drift, Eqs. 15 and 16.
 
-Gives the arrays of a stepper's owned nodes to `VelocityCorrection` and books what it did. Cloth is met at half its
-thickness from the mid-surface.
+Gives the arrays of a stepper's owned nodes to `VelocityCorrection` and books what it did. Cloth is
+met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
 are the sheet on the body. `samples=k` meets k x k points inside every cell besides, on its chords

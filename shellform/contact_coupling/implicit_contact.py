@@ -70,8 +70,8 @@ class ImplicitContact(RunningContact):
         self._extents = np.array([shape.half_extents for shape in body.shapes])
         self.friction, self._recovery = as_friction(friction), float(recovery)
         self._step = step_record(self.friction, offset)
-        self._judge = active_set.judging(self.friction.kinetic_coefficient)
-        self._push = held_nodes.pushing(self.friction.kinetic_coefficient)
+        self._judge = active_set.judge_kernel(self.friction.kinetic_coefficient)
+        self._push = held_nodes.push_kernel(self.friction.kinetic_coefficient)
         self._set = held_nodes.new(n)
         self._set.state[shell.supports.held[:n, :3].any(axis=1)] = FIXED
         self._kept = held_nodes.copy(self._set)

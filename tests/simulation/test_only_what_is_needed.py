@@ -256,21 +256,21 @@ def on_records(kernel):
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_no_friction_kernel_without_friction(monkeypatch, friction):
     """Points that press on a slope call the kernel of friction if there is friction, else never."""
-    calls, build = [], node_contact.friction_on_planes
+    calls, build = [], node_contact.friction_kernel
 
     def counted(law):
         apply_friction = build(law)
         return lambda *given: calls.append(1) or apply_friction(*given)
 
-    monkeypatch.setattr(node_contact, "friction_on_planes", counted)
+    monkeypatch.setattr(node_contact, "friction_kernel", counted)
     # the loop over nodes, and what each of them does, by Python itself
     for module in (node_contact, velocity_correction):
         monkeypatch.setattr(module, "kernel", lambda function: function)
-    contact_of_node, correct = (
-        node_contact.contact_of_node.__wrapped__,
+    node_kernel, correct = (
+        node_contact.node_kernel.__wrapped__,
         velocity_correction.correction_kernel.__wrapped__,
     )
-    monkeypatch.setattr(velocity_correction, "contact_of_node", contact_of_node)
+    monkeypatch.setattr(velocity_correction, "node_kernel", node_kernel)
     monkeypatch.setattr(
         velocity_correction, "correction_kernel", lambda law: on_records(correct(law))
     )

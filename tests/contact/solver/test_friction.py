@@ -4,14 +4,14 @@
 import numpy as np
 import pytest
 
-from contact.solver.friction import Friction, as_friction, cone_of
+from contact.solver.friction import Friction, as_friction, cone_kernel
 
 N = np.array([0.6, 0.0, 0.8])
 ACROSS = np.array([0.8, 0.0, -0.6])
 ASIDE = np.array([0.0, 1.0, 0.0])
 
 
-transmitted = cone_of(Friction.kinetic_coefficient)
+transmitted = cone_kernel(Friction.kinetic_coefficient)
 
 
 def tangential_impulse(normal, trial, mu_s, mu_k, impulse):
