@@ -41,7 +41,7 @@ def read_groups(mesh, origins, blocks, name):
             if mesh.cells[number].type in _LINES and mask.any()
         ]
         if segments:
-            edges[label] = _beside_cells(np.concatenate(segments), known, label, name)
+            edges[label] = _on_sides(np.concatenate(segments), known, label, name)
         inside = np.zeros(len(origins), dtype=bool)
         for number, mask in masks.items():
             rows = np.flatnonzero(origins[:, 0] == number)
@@ -55,17 +55,17 @@ def read_groups(mesh, origins, blocks, name):
     return {label: edge for label, edge in edges.items() if len(edge)}, panels, warp
 
 
-def _beside_cells(segments, known, label, name):
+def _on_sides(segments, known, label, name):
     """The segments that are sides of cells, with middle points where the cells have them."""
     size = 1 + int(max(segments.max(), known[:, :2].max()))
-    beside = np.isin(edge_keys(segments, size), edge_keys(known, size))
-    if not beside.all():
+    on_a_side = np.isin(edge_keys(segments, size), edge_keys(known, size))
+    if not on_a_side.all():
         warnings.warn(
-            f"{name}: {int((~beside).sum())} segments of '{label}' lie along no side of a cell "
+            f"{name}: {int((~on_a_side).sum())} segments of '{label}' lie along no side of a cell "
             "and are left out.",
             stacklevel=5,
         )
-    segments = segments[beside]
+    segments = segments[on_a_side]
     if known.shape[1] == 3 and len(segments):
         return halve(segments, known, known[:, 2], size)[:, [0, 2, 1]]
     return segments

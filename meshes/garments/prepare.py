@@ -21,7 +21,7 @@ _WAISTS = (0.3, 3.0)  # m; girths that somebody wears
 _USUAL_WAIST = 0.9
 
 
-def worn(surface, waist=None):
+def prepare_garment(surface, waist=None):
     """The garment with a named waist and hems, facing outward, with a warp direction.
 
     Parameters

@@ -23,10 +23,10 @@ from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, QhullError
 from scipy.special import ellipe
 
-from .proportions import HIP_SPACING
+from .proportions import HIP_SPACING, LENGTHS, RIM, STATURE
 from .recording import SIDES
 
-STATURE, MASS = 1.755, 84.6  # medians [m], [kg]
+MASS = 84.6  # median [kg]
 GIRTHS = {"waist": 0.937, "hip": 1.017, "thigh": 0.624, "calf": 0.392, "ankle": 0.228}  # [m]
 # girth [m] = a + b stature [m] + c mass [kg]; R2 0.88, 0.85, 0.71
 REGRESSIONS = {
@@ -44,8 +44,7 @@ ANKLE_LEVEL = 0.030  # where the ankle is thinnest, up from its centre [m]
 THIGH_PAST = (0.105, 0.050)  # how far the thigh reaches past hip and knee centre [m]
 THIGH_HALF_BREADTH, THIGH_OUTWARD = 0.092, 0.010  # [m]
 THIGH_GAP = 0.003  # from the middle plane to a thigh, at least, when standing [m]
-FOOT_LENGTH, FOOT_BREADTH, FOOT_HEIGHT, SHOE = 0.267, 0.102, 0.090, 0.0075  # [m]
-ENDS_UP = 0.035  # of heel and toe ends above the sole [m]
+FOOT_BREADTH, FOOT_HEIGHT, SHOE = 0.102, 0.090, 0.0075  # [m]
 LEAST, MOST = 0.1, 2.5  # girths taken for metres
 TILT = 1e-9  # of an ellipsoid's section below which a plane only touches it
 
@@ -195,8 +194,8 @@ def _shank(long, size, scale):
 
 def _foot(long, scale, side):
     """Centre and radii of a shoe that begins at J1 and rests on the floor when standing."""
-    whole = max(long, FOOT_LENGTH * scale)
-    up = (0.5 * FOOT_HEIGHT - ENDS_UP) * scale
+    whole = max(long, LENGTHS["foot"] * scale)
+    up = (0.5 * FOOT_HEIGHT - RIM) * scale
     # e3 = e1 x e2 points down in a right foot, up in a left one
     centre = np.array([0.5 * (whole - long), 0.0, -up if side == "right" else up])
     radii = np.array([0.5 * whole + SHOE, 0.5 * FOOT_BREADTH * scale, 0.5 * FOOT_HEIGHT * scale])

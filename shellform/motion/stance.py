@@ -3,8 +3,7 @@
 
 import numpy as np
 
-from shellform.motion.gait.leg import ANKLE_UP
-
+from .proportions import ANKLE_UP
 from .recording import SIDES
 
 

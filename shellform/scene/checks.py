@@ -15,7 +15,7 @@ RANGES = {
     "gravity": (0, 30, "9.81 on earth"),
     "motion.cutoff": (0.5, 100, "6 Hz is usual for gait; none is not offered"),
     "motion.max_gap": (0, 1, "a gap is filled up to some tenths of a second"),
-    "motion.lead_in": (0, 10, "a second is usual"),
+    "motion.initiation": (0, 10, "a second is usual"),
     "motion.obstacle": (0, 0.6, "a height in m: 0.5 as in the paper"),
     "motion.strides": (1, 50, "four as in the paper"),
     "person.stature": (1.0, 2.3, "a stature in m, as 1.76"),

@@ -32,7 +32,9 @@ def garment_of(scene, wearer):
             )
     height, middle, heading = stance(wearer)
     if garment.file is not None:
-        surface = meshes.worn(meshes.load(garment.file, unit=garment.unit), waist=garment.waist)
+        surface = meshes.prepare_garment(
+            meshes.load(garment.file, unit=garment.unit), waist=garment.waist
+        )
     elif garment.size is not None:
         surface = meshes.trousers(garment.size, **garment.measures, cell_size=scene.cell_size)
     else:

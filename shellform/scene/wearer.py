@@ -9,7 +9,7 @@ import numpy as np
 
 from shellform.material.card import fabric_of
 from shellform.motion import anthropometry
-from shellform.motion.capture.standing_start import lead_in
+from shellform.motion.capture.gait_initiation import gait_initiation
 from shellform.motion.gait.synthetic_walk import standing_of, synthetic_walk
 from shellform.motion.recording import SIDES, Recording
 from shellform.motion.wearer import Wearer
@@ -48,7 +48,7 @@ def wearer_of(scene):
         )
     standing = standing_of(recording)
     if not at_rest(recording, standing):
-        recording = lead_in(recording, standing, motion.lead_in)
+        recording = gait_initiation(recording, standing, motion.initiation)
     wearer = Wearer(recording, ellipsoids_of(scene, recording))
     chosen_parts(wearer, scene.output.parts)  # a joint that is not there is told before dressing
     return wearer

@@ -13,7 +13,7 @@ from contact.solver.velocity_correction import Correction
 from demos.studies.extremes import body_cases as meeting
 from demos.studies.extremes import captures as captures
 from shellform.motion.capture.gaps_and_spikes import low_pass, without_spikes
-from shellform.motion.capture.noise import left_by_low_pass, noise_of
+from shellform.motion.capture.noise import noise_of, residual_noise
 from shellform.motion.capture.read_motion import read_markers, recording
 from shellform.motion.wearer import Wearer
 
@@ -264,7 +264,7 @@ def test_low_pass_leaves_of_noise_what_it_should():
     left = low_pass(noise, rate, 6.0)
     bent = np.diff(left, 2, axis=0) * rate**2
     rms = [np.sqrt(np.mean(np.sum(e**2, axis=1))) for e in (left, bent)]
-    assert rms == pytest.approx(left_by_low_pass(1.0, rate, 6.0), rel=0.02)
+    assert rms == pytest.approx(residual_noise(1.0, rate, 6.0), rel=0.02)
     assert noise_of(noise) == pytest.approx(1.0, rel=0.02)
 
 

@@ -100,7 +100,7 @@ def test_legs_reach_their_own_side():
 
 def test_part_of_a_walk_begins_at_rest():
     """Cut out of the middle, it gets a way from standing into it, and the facts of the whole."""
-    wearer = build.wearer_of(Scene(motion=Motion(start=2.0, end=2.5, lead_in=0.8)))
+    wearer = build.wearer_of(Scene(motion=Motion(start=2.0, end=2.5, initiation=0.8)))
     assert wearer.start == pytest.approx(1.2) and wearer.end == pytest.approx(2.5)
     assert not wearer.new_pose(wearer.start).velocities.any()
     whole = build.wearer_of(Scene())

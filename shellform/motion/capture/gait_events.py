@@ -9,12 +9,12 @@ straight line, prolonged to an arc where the walker turns; on a treadmill the be
 import numpy as np
 from scipy.signal import find_peaks
 
+from shellform.motion.proportions import LEG_OF_STATURE
 from shellform.motion.recording import SIDES
 
 SHORTEST = 0.5  # of two strikes of one foot [s]
 SWING = 0.25  # least reach between heel in front and heel behind that is a step [m]
 BELT = 0.3  # speed of a foot at rest above which the ground moves [m/s]
-LEG = (0.4222 + 0.4403) / 1.741  # thigh and shank over stature, men (de Leva, J. Biomech. 1996)
 
 
 def facts(times, points):
@@ -39,7 +39,7 @@ def facts(times, points):
     }
     legs = [lengths[f"{s}_thigh"] + lengths[f"{s}_shank"] for s in SIDES if f"{s}_shank" in lengths]
     if legs:
-        out["stature"] = float(np.mean(legs) / LEG)
+        out["stature"] = float(np.mean(legs) / LEG_OF_STATURE)
     if "pelvis" not in points:
         return out
     pelvis = points["pelvis"]

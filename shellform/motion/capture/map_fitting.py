@@ -14,7 +14,7 @@ from .segment_map import SHIPPED, SegmentMap, segment_map
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class FittedMap:
     """A map set to the labels of one capture.
 
     Parameters
@@ -43,7 +43,7 @@ def labels_on_body(names):
     return {name: known[plain(name)] for name in names if plain(name) in known}
 
 
-def plan(map, markers):
+def fit_map(map, markers):
     """Set a map to a capture; what a rule lacks sends it to the next rule.
 
     Parameters
@@ -96,7 +96,7 @@ def plan(map, markers):
         else:
             raise ValueError(_lack(map, key, lacks[0], markers))
     needed = _closure(segments, rules)
-    return Plan(
+    return FittedMap(
         map,
         {k: v for k, v in used.items() if k in needed},
         {k: v for k, v in rules.items() if k in needed},
@@ -145,7 +145,7 @@ def choose_map(markers):
     lacks = []
     for name in SHIPPED:
         try:
-            plan(segment_map(name), markers)
+            fit_map(segment_map(name), markers)
         except ValueError as error:
             lacks.append(str(error).removeprefix(f"{markers.source}: ").split("; rename")[0])
         else:

@@ -92,7 +92,7 @@ def to_markers(raw, source, body, unit=None, up=None):
 
     Parameters
     ----------
-    raw : `shellform.motion.capture.trc_file.Raw`
+    raw : `shellform.motion.capture.marker_table.Raw`
     source : str, the file, for messages
     body : dict, name of a marker -> name of the place on the body, for those that are known
     unit, up : what the caller knows better than the file, or None

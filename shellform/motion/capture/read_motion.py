@@ -19,9 +19,9 @@ from .formats import read_table
 from .gait_events import facts, forward
 from .gaps_and_spikes import common_span, filled, low_pass, rigid_legs, without_spikes
 from .joint_centres import point
-from .map_fitting import choose_map, labels_on_body, plan
+from .map_fitting import choose_map, fit_map, labels_on_body
 from .markers import Markers, to_markers
-from .noise import told
+from .noise import noise_note
 from .segment_map import SegmentMap, segment_map
 
 LEVER = 0.010  # least distance of M from the line J1-J2 [m]
@@ -91,24 +91,24 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
         map = choose_map(markers)
     elif not isinstance(map, SegmentMap):
         map = segment_map(map)
-    chosen = plan(map, markers)
-    notes = [*markers.notes, f"map '{map.name}'", *chosen.notes]
-    times, tracks, said = _cut(markers, chosen.labels, window)
+    fitted = fit_map(map, markers)
+    notes = [*markers.notes, f"map '{map.name}'", *fitted.notes]
+    times, tracks, said = _cut(markers, fitted.labels, window)
     notes += said
     gaps = {}  # of one time together
     for name, track in tracks.items():
-        label = chosen.labels[name]
+        label = fitted.labels[name]
         track, said = filled(track, label, times, max_gap, source)
         for note in said:
             gaps.setdefault(note, []).append(label)
         tracks[name], said = without_spikes(track, label, times, max_gap, source)
         notes += said
     notes += [f"{note}: {', '.join(labels)}" for note, labels in gaps.items()]
-    notes += told(tracks, chosen.labels, markers.rate, cutoff)
-    points = _evaluate(chosen, tracks)
+    notes += noise_note(tracks, fitted.labels, markers.rate, cutoff)
+    points = _evaluate(fitted, tracks)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
-        points = _evaluate(chosen, tracks)
+        points = _evaluate(fitted, tracks)
         notes.append("left and right are mirrored: labels swapped")
     _require_sides(points, source)
     if cutoff is not None:
@@ -166,13 +166,13 @@ def _cut(markers, labels, window):
     return times[first:stop], {n: t[first:stop] for n, t in tracks.items()}, notes
 
 
-def _evaluate(chosen, tracks):
+def _evaluate(fitted, tracks):
     at = dict(tracks)
-    for name, rule in chosen.rules.items():
+    for name, rule in fitted.rules.items():
         at[name] = point(rule, at)
     return {
         segment: np.stack([at[end] for end in ends], axis=1)
-        for segment, ends in chosen.segments.items()
+        for segment, ends in fitted.segments.items()
     }
 
 

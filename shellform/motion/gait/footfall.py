@@ -6,8 +6,7 @@ with the toe up. With no toe joint it leaves the floor at 39 degrees, where the 
 one has about 55 and its ankle is at the same height. The sole is a flat between two arcs, the heel
 and what lies before the ball, so that the heel and toe rockers of gait (Perry, Gait Analysis, 1992)
 are a rolling without slip and without sinking in: the point of contact moves by -R da and the ankle
-turns about it. Lengths are those of a man of 1.755 m with footwear: ankle height 75 mm, and foot
-length 0.152 of stature (Drillis and Contini, 1966).
+turns about it. Lengths are those of `proportions`, at a stature of 1.755 m with footwear.
 
 Swings are quintic splines between the states at toe-off and heel strike; with two continuous
 derivatives at both, the whole path has them.
@@ -18,12 +17,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import BPoly, make_interp_spline
 
-STATURE = 1.755  # [m], median of ANSUR II men; every length of the walk scales with stature
-ANKLE = 0.075  # height of the ankle centre above the sole [m]
-HEEL, TOE = 0.055, 0.212  # heel end and toe end behind and before the ankle [m]
-RIM = 0.035  # height of both ends above the sole [m]: the arcs end there
+from shellform.motion.proportions import ANKLE, HEEL, RIM, TOE
+
 BALL = 0.12  # where the flat ends before the ankle [m]
-# (where the arc begins, its radius): an arc rises by RIM over the rest of the foot
+# (where the arc begins, its radius): an arc rises to RIM over the rest of the foot
 HEEL_ARC = (RIM - HEEL, RIM)
 TOE_ARC = (BALL, ((TOE - BALL) ** 2 + RIM**2) / (2 * RIM))
 STEEPEST = np.arcsin((TOE - BALL) / TOE_ARC[1])  # pitch [rad] at which the toe end touches

@@ -9,11 +9,16 @@ e3 = e1 x e2 points backward in a right leg and forward in a left one.
 import numpy as np
 
 from contact.body.segment_frame import pose_from_markers
-from shellform.motion.proportions import HIP_SPACING, LEG, MARKERS, SIGN
+from shellform.motion.proportions import (
+    ANKLE_UP,
+    ENDS_UP,
+    HEEL_BACK,
+    HIP_SPACING,
+    LEG,
+    MARKERS,
+    SIGN,
+)
 from shellform.motion.recording import SEGMENTS, SIDES
-
-# of a foot, as parts of the leg (thigh and shank): ankle and ends above the sole, heel behind
-ANKLE_UP, ENDS_UP, HEEL_BACK = 0.075 / LEG, 0.035 / LEG, 0.055 / LEG
 
 
 def unit(v):

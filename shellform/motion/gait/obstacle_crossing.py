@@ -107,7 +107,7 @@ def turned_out(ways, side, share, t):
     return turn
 
 
-def cross(way, falls, side, plan, hips):
+def cross(way, falls, side, steps, hips):
     """Swing over the obstacle between two footfalls.
 
     Parameters
@@ -115,24 +115,24 @@ def cross(way, falls, side, plan, hips):
     way : Crossing
     falls : the footfalls before and after
     side : 'right' or 'left'
-    plan : object with front, depth, height [m] of the obstacle and share, 0 to 1
+    steps : Footsteps, of which count front, depth, height [m] of the obstacle and share, 0 to 1
     hips : function of times (n,): mid hip and axes left, ahead, up of the pelvis, (n, 3) each
     """
     begin, end = falls
     at = np.array(way.instants)
     at_pitch = np.append(at, LAST)
-    x = plan.front + _between(way.x, plan.height)
-    x[-1] += plan.depth - 0.06  # the knots are those of an obstacle of 0.06 m
-    y = begin.aside + SIGN[side] * way.aside * plan.share
+    x = steps.front + _between(way.x, steps.height)
+    x[-1] += steps.depth - 0.06  # the knots are those of an obstacle of 0.06 m
+    y = begin.aside + SIGN[side] * way.aside * steps.share
     s = np.linspace(0.0, 1.0, SAMPLES)
     t = begin.off + s * (end.strike - begin.off)
     middle, left, ahead, _ = hips(t)
     hip = middle + SIGN[side] * 0.5 * HIP_SPACING * left
-    turn = turned_out([(way, falls)], side, plan.share, t)
+    turn = turned_out([(way, falls)], side, steps.share, t)
     axis = np.cos(turn)[:, None] * left - np.sin(turn)[:, None] * ahead
     pitch = np.append(np.full(len(at), np.radians(-40.0)), 0.0)
     under = -turned(sole(), pitch[:1])[0, :, 1].min()
-    z = plan.height + CLEARANCE + under + _between(way.lift, plan.height)
+    z = steps.height + CLEARANCE + under + _between(way.lift, steps.height)
     for _ in range(ROUNDS):
         swing = Swing((at, x), (at, z), (at_pitch, pitch), ((0.5,), (y,)))
         ankle, pitches = track(falls, [swing], t)
@@ -140,7 +140,7 @@ def cross(way, falls, side, plan, hips):
         down = shank[:, 1] - shank[:, 0]
         hang = np.interp(at_pitch, s, np.arctan2(down[:, 0], -down[:, 2]))
         points = ankle[:, None, [0, 2]] + turned(sole(), pitches)
-        over = (points[..., 0] > plan.front) & (points[..., 0] < plan.front + plan.depth)
-        z = z + RELAXED * (CLEARANCE + plan.height - points[..., 1][over].min())
+        over = (points[..., 0] > steps.front) & (points[..., 0] < steps.front + steps.depth)
+        z = z + RELAXED * (CLEARANCE + steps.height - points[..., 1][over].min())
         pitch = pitch + RELAXED * (hang + np.array(way.dorsiflexion) - pitch)
     return swing

@@ -360,7 +360,7 @@ def test_trousers_come_back_from_a_file(tmp_path, kind):
         assert np.array_equal(back.panels[name], np.sort(panel))
     if kind == "vtu":
         assert np.allclose(back.warp, surface.warp)
-    dressed = meshes.worn(back)
+    dressed = meshes.prepare_garment(back)
     assert set(dressed.edges) == set(surface.edges)
 
 
@@ -378,7 +378,7 @@ def test_a_nameless_file_gets_its_names(tmp_path, form, kind):
         mine = meshes.elevate(surface)
     path = tmp_path / f"mine.{kind}"
     meshes.save(nameless(mine), path)
-    dressed = meshes.worn(meshes.load(path), "highest")
+    dressed = meshes.prepare_garment(meshes.load(path), "highest")
     assert set(dressed.edges) == {"waist", "left_hem", "right_hem"}
     for name, edge in dressed.edges.items():
         assert set(edge[:, :2].ravel()) == set(surface.edges[name].ravel())
@@ -396,13 +396,15 @@ def test_ways_to_name_the_waist():
     mine = nameless(surface, edges={"top": surface.edges["waist"], "hem": surface.edges["hem"]})
     ways = ["top", "highest", lambda x: x[:, 2] > 1.03]
     for way in ways:
-        dressed = meshes.worn(mine, way)
+        dressed = meshes.prepare_garment(mine, way)
         assert set(dressed.edges["waist"].ravel()) == set(surface.edges["waist"].ravel())
         assert np.array_equal(dressed.edges["hem"], mine.edges["hem"])
     poncho = nameless(meshes.annulus(0.15, 0.8, (24, 6), slit=False))
     radii = np.linalg.norm(poncho.points, axis=1)
     level = poncho.points + np.outer(1.0 - 1e-9 * radii, [0.0, 0.0, 1.0])
-    laid = meshes.worn(poncho.replace(points=level), lambda x: np.hypot(x[:, 0], x[:, 1]) < 0.16)
+    laid = meshes.prepare_garment(
+        poncho.replace(points=level), lambda x: np.hypot(x[:, 0], x[:, 1]) < 0.16
+    )
     # On a level sheet the warp leads away from the waist.
     centres = laid.points[laid.cells].mean(axis=1) * [1, 1, 0]
     assert np.all(
@@ -488,5 +490,5 @@ def scaled(factor):
 )
 def test_unwearable(make, waist, sentence):
     with pytest.raises(MeshError, match=sentence) as caught:
-        meshes.worn(make(), waist)
+        meshes.prepare_garment(make(), waist)
     assert str(caught.value).count("\n") == 0

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from contact.body.segment_frame import pose_from_markers
-from shellform.motion.gait.footfall import STATURE, rolled, sole, turned
+from shellform.motion.gait.footfall import rolled, sole, turned
 from shellform.motion.gait.synthetic_walk import joint_angles, standing, standing_of, synthetic_walk
+from shellform.motion.proportions import STATURE
 from shellform.motion.recording import SEGMENTS, SIDES, Recording
 
 # Angles [degree] of hip and knee over a level stride from heel strike to heel strike: means of 15

@@ -20,7 +20,7 @@ ABOVE = {below: above for above, below, _ in JOINTS.values()}
 HINGE = {below: hinge for _, below, hinge in JOINTS.values()}
 
 
-def lead_in(recording, standing, seconds=1.0):
+def gait_initiation(recording, standing, seconds=1.0):
     """A recording with frames before its own in which the wearer gets going.
 
     Parameters
