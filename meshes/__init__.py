@@ -5,6 +5,7 @@ Nothing here knows finite elements. Lengths are in m; a Surface has passed `chec
 # SPDX-License-Identifier: LGPL-3.0-or-later
 
 from meshes.files.load import load, save
+from meshes.garments import GARMENTS, Pattern
 from meshes.garments.prepare import prepare_garment, regions
 from meshes.garments.sleeve_and_skirt import skirt, sleeve
 from meshes.garments.trousers import SIZES, trousers
@@ -34,8 +35,10 @@ from .repair import (
 from .surface import MeshError, Surface, check
 
 __all__ = [
+    "GARMENTS",
     "SIZES",
     "MeshError",
+    "Pattern",
     "Surface",
     "annulus",
     "boundary_loops",

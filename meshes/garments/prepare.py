@@ -96,7 +96,7 @@ def regions(surface):
     if missing:
         raise MeshError(
             f"{source}: a garment with legs needs the edge '{missing[0]}', name it with with_edges "
-            "or meshes.garments.prepare."
+            "or meshes.prepare_garment."
         )
     hems = [points[np.unique(surface.edges[f"{side}_hem"])] for side in ("left", "right")]
     left, right = (hem.mean(axis=0) for hem in hems)

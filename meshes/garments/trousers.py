@@ -1,7 +1,7 @@
 """Trousers as one surface of quads, standing as on a body with its feet on z = 0.
 
 x points forward, y to the left, z up. Girths are exact on the mesh; the right half is the mirror
-image of the left. The shape between the rings is in `fork`, sleeves and skirts are in `tube`.
+image of the left. The shape between the rings is in fork.py.
 """
 # SPDX-License-Identifier: LGPL-3.0-or-later
 

@@ -9,48 +9,83 @@ import meshes
 from shellform.motion import anthropometry
 from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
+from shellform.motion.wearer import Wearer
 
-HIP_HEIGHT = 0.918  # of the hip joints of the person that the sizes of trousers fit [m]
-NO_MEASURES = ("size", "cell_size")  # of the arguments of trousers
+from .parts import Garment
+from .scene import Scene
+
+HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
+NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
 STRETCH = 0.05  # cloth that must stretch more to reach around the body is refused
 
 
-def garment_of(scene, wearer):
-    """Surface of the garment, where it is worn by the standing wearer.
+def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
+    """Surface of the garment, where the standing wearer has it on.
 
     Raises
     ------
     ValueError, meshes.MeshError for measures or a file that make no garment, or one that does not
     fit the wearer
     """
-    garment = scene.garment
-    known = [name for name in signature(meshes.trousers).parameters if name not in NO_MEASURES]
-    for name in garment.measures:
-        if name not in known:
-            raise ValueError(
-                f"garment.measures: no '{name}' of trousers; there are {', '.join(known)}"
-            )
+    pattern = pattern_of(scene.garment)
     height, middle, heading = stance(wearer)
-    if garment.file is not None:
-        surface = meshes.prepare_garment(
-            meshes.load(garment.file, unit=garment.unit), waist=garment.waist
-        )
-    elif garment.size is not None:
-        surface = meshes.trousers(garment.size, **garment.measures, cell_size=scene.cell_size)
+    if scene.garment.file is not None:
+        surface = meshes.load(scene.garment.file, unit=scene.garment.unit)
+        surface = meshes.prepare_garment(surface, waist=scene.garment.waist)
     else:
-        scale = height / HIP_HEIGHT
-        fitted = {
-            name: scale * value
-            for name, value in meshes.SIZES["large-regular"].items()
-            if name.endswith("_height")
-        }
-        fitted["waist_height"] = waist_height(wearer) - middle[2] + height
-        surface = meshes.trousers(**fitted | garment.measures, cell_size=scene.cell_size)
+        waist = waist_height(wearer) - middle[2] + height
+        surface = made_by_measures(scene.garment, pattern, scene.cell_size, height, waist)
     cosine, sine = heading[:2]
     turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1.0]])
     surface = surface.transform(turn, (*middle[:2], middle[2] - height))
     check_fit(surface, wearer)
     return surface
+
+
+def pattern_of(garment: Garment) -> meshes.Pattern:
+    """Pattern of a garment's kind; ValueError for a kind, a size or a measure that is not there."""
+    kind, pattern = garment.kind, meshes.GARMENTS.get(garment.kind)
+    if pattern is None:
+        known = ", ".join(meshes.GARMENTS)
+        raise ValueError(f"garment.kind: no garment is called {kind!r}; there are {known}")
+    if garment.size is not None and not pattern.sizes:
+        raise ValueError(
+            f"garment.size = {garment.size!r}, and a {kind} has no sizes: give its measures"
+        )
+    known = [name for name in signature(pattern.build).parameters if name not in NO_MEASURES]
+    for name in garment.measures:
+        if name not in known:
+            raise ValueError(
+                f"garment.measures: no '{name}' of {kind}; there are {', '.join(known)}"
+            )
+    return pattern
+
+
+def made_by_measures(
+    garment: Garment,
+    pattern: meshes.Pattern,
+    cell_size: float,
+    hip_height: float,
+    waist_height: float,
+) -> meshes.Surface:
+    """Surface of a garment by its size, or grown to the wearer's heights.
+
+    Parameters
+    ----------
+    cell_size : [m]
+    hip_height, waist_height : of the wearer's hip joints and waist over the floor [m]
+
+    Raises
+    ------
+    ValueError for a size that is not there, or measures that make no garment
+    """
+    if garment.size is not None:
+        return pattern.build(garment.size, **garment.measures, cell_size=cell_size)
+    scale = hip_height / HIP_HEIGHT
+    lengths = {name: scale * value for name, value in pattern.lengths.items()}
+    lengths["waist_height"] = waist_height
+    measures = {**pattern.girths, **lengths, **garment.measures}
+    return pattern.build(**measures, cell_size=cell_size)
 
 
 def waist_height(wearer):

@@ -44,16 +44,17 @@ class Person:
 
 @dataclass(frozen=True)
 class Garment:
-    """Trousers by size or girths, or a mesh file.
+    """A garment by size or measures, or a mesh file.
 
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
-    size : of `meshes.trousers`; measures : arguments of it [m]; cell_size : of the cells [m], None:
-    by the accuracy.
+    kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
+    arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy.
     """
 
     file: str | Path | None = None
     unit: str = "m"
     waist: str = "waist"
+    kind: str = "trousers"
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})
     cell_size: float | None = with_unit(None, "m")

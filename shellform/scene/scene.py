@@ -2,13 +2,14 @@
 """The scene: wearer, motion, garment, fabric, belt, and how it is to be computed and told.
 
 A Scene is a value, made in Python or read from a TOML file (scene_file.py). Everything in it is
-checked when it is made; nothing is computed. `build.py` turns it into arrays and finite elements.
+checked when it is made; nothing is computed. wearer.py and garment.py turn it into arrays.
 """
 
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 from shellform.accuracy.choice import choose, garment_length
+from shellform.material.card import fabric_of
 from shellform.material.fabric import Fabric
 from shellform.material.sheet import Sheet
 
@@ -58,8 +59,6 @@ class Scene:
     @property
     def choice(self):
         """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
-        from shellform.material.card import fabric_of
-
         length = garment_length(fabric_of(self.fabric))
         choice = choose("walk", self.steps.accuracy, length)
         given = self.garment.cell_size

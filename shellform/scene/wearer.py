@@ -7,7 +7,6 @@ and garment is found here, before any computation.
 
 import numpy as np
 
-from shellform.material.card import fabric_of
 from shellform.motion import anthropometry
 from shellform.motion.capture.gait_initiation import gait_initiation
 from shellform.motion.gait.synthetic_walk import standing_of, synthetic_walk
@@ -106,8 +105,3 @@ def at_rest(recording, standing, near=1e-6):
     return all(
         np.abs(track[:2] - standing[name]).max() < near for name, track in recording.points.items()
     )
-
-
-def fabric(scene):
-    """Fabric of a scene."""
-    return fabric_of(scene.fabric)

@@ -26,7 +26,7 @@ OTHER = Scene(
     person=Person(stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}),
     garment=Garment(
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
-        measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
+        kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
     ),
     contact=Contact(friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5),
     steps=Steps(

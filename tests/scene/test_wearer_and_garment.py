@@ -12,6 +12,7 @@ import meshes
 from shellform.__main__ import main
 from shellform.console import run
 from shellform.fem.director import rotation_matrix
+from shellform.material.card import fabric_of
 from shellform.motion import anthropometry
 from shellform.motion.capture import segment_map
 from shellform.motion.gait.synthetic_walk import synthetic_walk
@@ -232,7 +233,7 @@ def test_wrong_scene(name, captures):
     with pytest.raises((ValueError, OSError)) as caught:
         scene = make(captures)
         garment_of(scene, build.wearer_of(scene))
-        build.fabric(scene)
+        fabric_of(scene.fabric)
     sentence = str(caught.value)
     for word in words:
         assert word in sentence
