@@ -8,17 +8,24 @@ which row of it the cell was.
 from __future__ import annotations
 
 import warnings
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meshes.subdivide import halve
+from meshes.surface import Surface
 from meshes.topology import directed_edges, edge_keys
 from meshes.validity import MeshError
+
+if TYPE_CHECKING:
+    import meshio
 
 _LINES = ("line", "line3")
 
 
-def read_groups(mesh, origins, blocks, name):
+def read_groups(
+    mesh: meshio.Mesh, origins: np.ndarray, blocks: list[np.ndarray], name: str
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray | None]:
     """Named edges, panels and warp directions of a meshio mesh.
 
     Parameters
@@ -107,12 +114,16 @@ def _masks(mesh):
     return groups
 
 
-def drop_repeats(blocks, panels, warp):
+def drop_repeats(
+    blocks: list[np.ndarray], panels: dict[str, np.ndarray], warp: np.ndarray | None
+) -> tuple[list[np.ndarray], dict[str, np.ndarray], np.ndarray | None]:
     """Cells listed once for every group they are in, as gmsh does, become one cell each.
 
     Returns blocks, panels, warp in the new numbers.
     """
-    kept_blocks, kept, number, before = [], [], [], 0
+    kept_blocks: list[np.ndarray] = []
+    kept: list[np.ndarray] = []
+    number, before = [], 0
     for block in blocks:
         _, first, inverse = np.unique(
             np.sort(block, axis=1), axis=0, return_index=True, return_inverse=True
@@ -121,7 +132,7 @@ def drop_repeats(blocks, panels, warp):
         rank = np.empty(len(order), dtype=np.int64)
         rank[order] = np.arange(len(order))
         kept_blocks.append(block[first[order]])
-        number.append(sum(map(len, kept)) + rank[inverse.ravel()])
+        number.append(sum(len(rows) for rows in kept) + rank[inverse.ravel()])
         kept.append(before + first[order])
         before += len(block)
     number = np.concatenate(number)
@@ -129,7 +140,9 @@ def drop_repeats(blocks, panels, warp):
     return kept_blocks, panels, None if warp is None else warp[np.concatenate(kept)]
 
 
-def with_groups(surface, cells, physical, name):
+def with_groups(
+    surface: Surface, cells: list[tuple[str, np.ndarray]], physical: bool, name: str
+) -> meshio.Mesh:
     """A meshio mesh of a surface with its edges, panels, directors and warp.
 
     Parameters

@@ -16,15 +16,20 @@ lower end of the pelvis between the thighs, which are deeper than wide and so ju
 Where hip joints are close together the thighs do not move into one another: flesh goes outward.
 """
 
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, QhullError
 from scipy.special import ellipe
 
 from .proportions import HIP_SPACING, LENGTHS, RIM, STATURE
 from .recording import SIDES
+
+# name, segment, centre (3,), radii (3,) [m]
+Ellipsoid = tuple[str, str, np.ndarray, np.ndarray]
 
 MASS = 84.6  # median [kg]
 GIRTHS = {"waist": 0.937, "hip": 1.017, "thigh": 0.624, "calf": 0.392, "ankle": 0.228}  # [m]
@@ -50,8 +55,13 @@ TILT = 1e-9  # of an ellipsoid's section below which a plane only touches it
 
 
 def ellipsoids(
-    lengths, stature=STATURE, mass=None, girths=None, feet=True, hip_spacing=None
-):  # fmt: skip
+    lengths: Mapping[str, ArrayLike],
+    stature: float | None = STATURE,
+    mass: float | None = None,
+    girths: Mapping[str, float] | None = None,
+    feet: bool = True,
+    hip_spacing: float | None = None,
+) -> list[Ellipsoid]:
     """Ellipsoids of the lower body.
 
     Parameters
@@ -93,7 +103,9 @@ def ellipsoids(
     return [*trunk, *((name, name, centre, radii) for name, centre, radii in legs)]
 
 
-def wearer_girths(stature=STATURE, mass=None, girths=None):
+def wearer_girths(
+    stature: float = STATURE, mass: float | None = None, girths: Mapping[str, float] | None = None
+) -> dict[str, float]:
     """Girths [m] of waist, hip, thigh, calf, ankle: those given, the others from stature and mass.
 
     No regression of the waist was at hand: it grows as the root of mass over stature, as a cylinder
@@ -128,7 +140,14 @@ def wearer_girths(stature=STATURE, mass=None, girths=None):
     return out
 
 
-def section(centre, axes, radii, level, normal=(0.0, 0.0, 1.0), count=360):
+def section(
+    centre: np.ndarray,
+    axes: np.ndarray,
+    radii: np.ndarray,
+    level: float,
+    normal: ArrayLike = (0.0, 0.0, 1.0),
+    count: int = 360,
+) -> np.ndarray:
     """Points (count, 3) [m] around the section of an ellipsoid by normal . x = level; maybe none.
 
     centre (3,), axes (3, 3) rows e1, e2, e3, radii (3,).
@@ -149,7 +168,13 @@ def section(centre, axes, radii, level, normal=(0.0, 0.0, 1.0), count=360):
     return np.asarray(centre) + (away * m + np.sqrt(1 - away**2) * ring) @ B.T
 
 
-def girth(centres, axes, radii, level, normal=(0.0, 0.0, 1.0)):
+def girth(
+    centres: np.ndarray,
+    axes: np.ndarray,
+    radii: np.ndarray,
+    level: float,
+    normal: ArrayLike = (0.0, 0.0, 1.0),
+) -> float:
     """What a tape measures around ellipsoids in the plane normal . x = level [m].
 
     The perimeter of the convex hull of their sections, to 1e-4 of itself; 0 where the plane meets

@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Checks on the values of a scene, before anything is computed."""
 
+from __future__ import annotations
+
 from dataclasses import fields
 from numbers import Integral, Real
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 from shellform.accuracy.choice import relative_error
 
 from .parts import PARTS
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 # what numbers may be, with what a number outside is likely to be
 RANGES = {
@@ -35,7 +40,7 @@ RANGES = {
 }
 
 
-def check_accuracy(asked):
+def check_accuracy(asked: str) -> None:
     """ValueError if steps.accuracy is none."""
     try:
         relative_error(asked)
@@ -46,7 +51,7 @@ def check_accuracy(asked):
 KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
 
 
-def check_kinds(scene):
+def check_kinds(scene: Scene) -> None:
     """ValueError for a text where a number belongs, and the like."""
     for part in (None, *PARTS):
         of = getattr(scene, part) if part else scene
@@ -77,7 +82,7 @@ def _is(value, kind):
     return isinstance(value, kind)
 
 
-def check_numbers(scene):
+def check_numbers(scene: Scene) -> None:
     for where, (low, high, hint) in RANGES.items():
         part, _, name = where.rpartition(".")
         value = getattr(getattr(scene, part) if part else scene, name)

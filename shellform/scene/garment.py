@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The garment of a scene, placed on its wearer, and whether it fits."""
 
+from collections.abc import Sequence
 from inspect import signature
 
 import numpy as np
 
 import meshes
+from contact.body.segments import Pose
 from shellform.motion import anthropometry
 from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
@@ -46,8 +48,9 @@ def pattern_of(garment: Garment) -> meshes.Pattern:
     """Pattern of a garment's kind; ValueError for a kind, a size or a measure that is not there."""
     kind, pattern = garment.kind, meshes.GARMENTS.get(garment.kind)
     if pattern is None:
-        known = ", ".join(meshes.GARMENTS)
-        raise ValueError(f"garment.kind: no garment is called {kind!r}; there are {known}")
+        raise ValueError(
+            f"garment.kind: no garment is called {kind!r}; there are {', '.join(meshes.GARMENTS)}"
+        )
     if garment.size is not None and not pattern.sizes:
         raise ValueError(
             f"garment.size = {garment.size!r}, and a {kind} has no sizes: give its measures"
@@ -88,16 +91,16 @@ def made_by_measures(
     return pattern.build(**measures, cell_size=cell_size)
 
 
-def waist_height(wearer):
+def waist_height(wearer: Wearer) -> float:
     """Height [m] of the narrowest place between pelvis and abdomen, where a belt stays."""
     pose = wearer.new_pose(wearer.start)
     which = [wearer.index("pelvis"), wearer.index("abdomen")]
-    heights = np.linspace(*pose.centres[which, 2], 101)
+    heights = np.linspace(pose.centres[which[0], 2], pose.centres[which[1], 2], 101)
     girths = [body_girth(wearer, pose, which, height) for height in heights]
     return float(heights[int(np.argmin(girths))])
 
 
-def check_fit(surface, wearer):
+def check_fit(surface: meshes.Surface, wearer: Wearer) -> None:
     """ValueError if the wearer cannot be inside the garment."""
     pose = wearer.new_pose(wearer.start)
     waist = surface.points[surface.edges["waist"][:, 0]]
@@ -139,7 +142,7 @@ def check_fit(surface, wearer):
             )
 
 
-def inside(polygon, point):
+def inside(polygon: np.ndarray, point: np.ndarray) -> bool:
     """True if a closed polygon (k, 2) goes around a point (2,)."""
     arms = polygon - point
     after = np.roll(arms, -1, axis=0)
@@ -148,12 +151,12 @@ def inside(polygon, point):
     return abs(turns) > np.pi
 
 
-def body_girth(wearer, pose, which, height):
+def body_girth(wearer: Wearer, pose: Pose, which: Sequence[int], height: float) -> float:
     """Length [m] of a tape around the ellipsoids `which` at a height [m]."""
     return anthropometry.girth(pose.centres[which], pose.axes[which], wearer.radii[which], height)
 
 
-def girth_at(surface, height, cells):
+def girth_at(surface: meshes.Surface, height: float, cells: np.ndarray) -> float:
     """Length [m] of the section of the `cells` (mask) at a height [m]; 0 where there is none."""
     corners = surface.cells[cells, : 3 if surface.kind == "triangle" else 4]
     corners = surface.points[corners]

@@ -3,9 +3,10 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 
-def with_unit(default, unit):
+def with_unit(default: Any, unit: str) -> Any:
     return field(default=default, metadata={"unit": unit})
 
 

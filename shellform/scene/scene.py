@@ -8,7 +8,7 @@ checked when it is made; nothing is computed. wearer.py and garment.py turn it i
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
-from shellform.accuracy.choice import choose, garment_length
+from shellform.accuracy.choice import Choice, choose, garment_length
 from shellform.material.card import fabric_of
 from shellform.material.fabric import Fabric
 from shellform.material.sheet import Sheet
@@ -52,12 +52,12 @@ class Scene:
         check_numbers(self)
 
     @property
-    def cell_size(self):
+    def cell_size(self) -> float:
         """Size of the garment's cells [m]."""
         return self.garment.cell_size or self.choice.size
 
     @property
-    def choice(self):
+    def choice(self) -> Choice:
         """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
         length = garment_length(fabric_of(self.fabric))
         choice = choose("walk", self.steps.accuracy, length)

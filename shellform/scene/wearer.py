@@ -5,19 +5,25 @@ Only what the scene asks for is imported, read and made. Everything a user can g
 and garment is found here, before any computation.
 """
 
+from collections.abc import Collection, Mapping
+
 import numpy as np
 
+from meshes import Surface
 from shellform.motion import anthropometry
 from shellform.motion.capture.gait_initiation import gait_initiation
-from shellform.motion.gait.synthetic_walk import standing_of, synthetic_walk
+from shellform.motion.gait.standing_pose import standing_of
+from shellform.motion.gait.synthetic_walk import synthetic_walk
+from shellform.motion.proportions import STATURE
 from shellform.motion.recording import SIDES, Recording
 from shellform.motion.wearer import Wearer
 from shellform.results.joint_torque import chosen_parts
 
 from .reach import reachable
+from .scene import Scene
 
 
-def wearer_of(scene):
+def wearer_of(scene: Scene) -> Wearer:
     """Wearer of a scene, who starts from standing.
 
     Raises
@@ -27,7 +33,7 @@ def wearer_of(scene):
     motion, person = scene.motion, scene.person
     if motion.file == "synthetic":
         recording = synthetic_walk(
-            **({} if person.stature is None else {"stature": person.stature}),
+            stature=STATURE if person.stature is None else person.stature,
             strides=motion.strides,
             obstacle=motion.obstacle,
             obstacle_stride=min(3, motion.strides),
@@ -53,7 +59,7 @@ def wearer_of(scene):
     return wearer
 
 
-def ellipsoids_of(scene, recording):
+def ellipsoids_of(scene: Scene, recording: Recording) -> list[anthropometry.Ellipsoid]:
     """Ellipsoids of the wearer of a scene who stands in the first frame, as rows for `Wearer`."""
     person = scene.person
     right, left = (recording.points[f"{side}_thigh"][0, 0] for side in SIDES)
@@ -66,7 +72,7 @@ def ellipsoids_of(scene, recording):
     )
 
 
-def dressed_wearer(scene, wearer, surface):
+def dressed_wearer(scene: Scene, wearer: Wearer, surface: Surface) -> Wearer:
     """The wearer with only the ellipsoids that the garment can come to; the same if these are all.
 
     What `reachable` leaves out is kept where a table of parts names it.
@@ -78,7 +84,7 @@ def dressed_wearer(scene, wearer, surface):
     return part_of(scene, wearer, names)
 
 
-def part_of(scene, wearer, names):
+def part_of(scene: Scene, wearer: Wearer, names: Collection[str]) -> Wearer:
     """The wearer with only the ellipsoids of these names; the same if these are all."""
     if set(names) >= set(wearer.names):
         return wearer
@@ -86,7 +92,7 @@ def part_of(scene, wearer, names):
     return Wearer(wearer.recording, [row for row in rows if row[0] in names])
 
 
-def cut(recording, start=None, end=None):
+def cut(recording: Recording, start: float | None = None, end: float | None = None) -> Recording:
     """Part of a recording between two times [s]; ValueError if that holds less than two frames."""
     times = recording.times
     keep = times >= (-np.inf if start is None else start - 1e-9)
@@ -100,7 +106,7 @@ def cut(recording, start=None, end=None):
     return Recording(times[keep], points, recording.source, recording.notes, recording.facts)
 
 
-def at_rest(recording, standing, near=1e-6):
+def at_rest(recording: Recording, standing: Mapping[str, np.ndarray], near: float = 1e-6) -> bool:
     """True if a recording begins in the standing pose, at rest."""
     return all(
         np.abs(track[:2] - standing[name]).max() < near for name, track in recording.points.items()

@@ -108,14 +108,14 @@ def test_many_ellipsoids_of_a_wearer_are_told_apart_by_their_segments():
     names = list(rec.points)
     rows = [(f"e{k}", names[k % 7], np.full(3, 1e-3 * k), (0.05, 0.05, 0.05)) for k in range(200)]
     wearer = Wearer(rec, rows)
-    leg = [name for name, segment in zip(wearer.names, wearer.segments) if "left" in segment]
+    leg = [name for name, segment in zip(wearer.names, wearer.carriers) if "left" in segment]
     correction = Correction(wearer, 2, flesh=1e5)
     correction.allowed[1] &= ~wearer.mask(leg)
     pose = wearer.new_pose(wearer.start)
     x = np.tile(pose.centres[wearer.index(leg[0])], (2, 1)) + [[0.049, 0, 0]]
     v = np.zeros((2, 3))
     correction(x, v, np.ones(2), 1e-4, wearer.start)
-    touched = [wearer.segments[k] for k in correction.segment if k >= 0]
+    touched = [wearer.carriers[k] for k in correction.segment if k >= 0]
     assert "left" in touched[0] and not any("left" in name for name in touched[1:])
     with pytest.raises(ValueError, match="cannot be told from"):
         wearer.mask([leg[0]])

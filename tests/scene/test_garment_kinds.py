@@ -32,7 +32,7 @@ def aprons(monkeypatch):
 
 def test_a_new_kind_grows_with_the_wearer(aprons):
     """Its waist lies where a belt stays; lengths go with the height of the hips."""
-    for stature in (1.6, 1.9):
+    for stature in (1.7, 1.9):
         scene = Scene(person=Person(stature=stature), garment=Garment(kind="apron", cell_size=0.03))
         wearer = wearer_of(scene)
         low, high = garment_of(scene, wearer).bounds[:, 2]

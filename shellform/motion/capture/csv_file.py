@@ -31,9 +31,10 @@ def read_csv(path: str | Path) -> Raw:
     head = [re.sub(r"\s*\[\w*\]\s*$", "", c) for c in head]
     names = []
     for k in range(1, len(head), 3):
-        found = [re.fullmatch(r"(.+?)[ _.:]([xyz])", c, re.IGNORECASE) for c in head[k : k + 3]]
-        said = "".join(m.group(2).lower() for m in found if m)
-        if said != "xyz" or len({m.group(1) for m in found}) != 1:
+        tries = [re.fullmatch(r"(.+?)[ _.:]([xyz])", c, re.IGNORECASE) for c in head[k : k + 3]]
+        found = [m for m in tries if m]
+        axes = "".join(m.group(2).lower() for m in found)
+        if axes != "xyz" or len({m.group(1) for m in found}) != 1:
             raise ValueError(
                 f"{path}: columns {k + 1} to {k + 3} are named {', '.join(head[k : k + 3])}; name "
                 "them name_x, name_y, name_z after a first column of times"

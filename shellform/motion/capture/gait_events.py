@@ -6,6 +6,9 @@ Heel strike is where the heel is farthest in front of the pelvis (Zeni, Richards
 straight line, prolonged to an arc where the walker turns; on a treadmill the belt's way is added.
 """
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from scipy.signal import find_peaks
 
@@ -17,7 +20,7 @@ SWING = 0.25  # least reach between heel in front and heel behind that is a step
 BELT = 0.3  # speed of a foot at rest above which the ground moves [m/s]
 
 
-def facts(times, points):
+def facts(times: np.ndarray, points: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """Facts of a walk; a key lacks where the motion does not tell.
 
     Parameters
@@ -33,7 +36,7 @@ def facts(times, points):
     last; "belt_speed" [m/s] on a treadmill; "stature" [m], from the legs; "events", pairs (name,
     time [s])
     """
-    out = {}
+    out: dict[str, Any] = {}
     lengths = {
         name: np.median(np.linalg.norm(t[:, 1] - t[:, 0], axis=1)) for name, t in points.items()
     }
@@ -76,13 +79,13 @@ def facts(times, points):
     return out
 
 
-def forward(pelvis):
+def forward(pelvis: np.ndarray) -> np.ndarray:
     """Horizontal direction (n, 3) from J1 to M of the pelvis."""
     ahead = (pelvis[:, 2] - pelvis[:, 0]) * [1.0, 1.0, 0.0]
     return ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
 
 
-def heel_strikes(times, heel, pelvis):
+def heel_strikes(times: np.ndarray, heel: np.ndarray, pelvis: np.ndarray) -> np.ndarray:
     """Frames of the heel strikes, by the rule above.
 
     Parameters
@@ -100,7 +103,7 @@ def heel_strikes(times, heel, pelvis):
     return find_peaks(reach, height=middle, prominence=0.2 * SWING, distance=apart)[0]
 
 
-def repetition(times, heels, pelvis):
+def repetition(times: np.ndarray, heels: Mapping[str, np.ndarray], pelvis: np.ndarray) -> int:
     """Frames after which the heels stand to the pelvis as before; 0 where no time between
     0.6 and 2 s does it to a quarter of their motion.
 
@@ -136,7 +139,9 @@ def _arc(half):
     return half / np.sin(half)
 
 
-def stride(times, heel, angle, a, b):
+def stride(
+    times: np.ndarray, heel: np.ndarray, angle: np.ndarray, a: int, b: int
+) -> tuple[float, float, float]:
     """Length [m], duration [s] and speed of the belt [m/s] of the stride from frame a to b.
 
     `angle` (n,) is the unwrapped heading [rad]. The foot is at rest from 12 to 28 % of the stride,

@@ -43,13 +43,15 @@ def number_of(cell: str) -> float | None:
 
 def numbers_of(cells: list[str], path: str | Path, line: int) -> list[float]:
     """Numbers in the cells of a line; ValueError naming line and column of what is none."""
-    out = [number_of(c) for c in cells]
-    if None in out:
-        k = out.index(None)
-        raise ValueError(
-            f"{path}: line {line}, column {k + 1} holds {cells[k]!r}, no number; write numbers "
-            "with a point and leave a missing one empty"
-        )
+    out = []
+    for column, cell in enumerate(cells, 1):
+        number = number_of(cell)
+        if number is None:
+            raise ValueError(
+                f"{path}: line {line}, column {column} holds {cell!r}, no number; write numbers "
+                "with a point and leave a missing one empty"
+            )
+        out.append(number)
     return out
 
 

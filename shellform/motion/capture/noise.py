@@ -12,6 +12,8 @@ its square tells: of places 2 f0/r I0 of the variance with I0 = 3 pi / (8 sqrt 2
 (2 pi f0)^4 2 f0/r I4 with I4 = pi sqrt 2 / 16, at r frames a second.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from .gaps_and_spikes import off_neighbours
@@ -20,13 +22,13 @@ NOTED = 3e-3  # rms from which on noise gets a note [m]
 FAST = 8.0  # frames a second over the cutoff, from which on noise can be told from motion
 
 
-def noise_of(track):
+def noise_of(track: np.ndarray) -> float:
     """Noise of a track (n, 3) [m], rms of its length over the three axes."""
     off = off_neighbours(track)[2:-2]
     return float(np.sqrt(3.0) * np.median(off) / (1.394 * 1.538)) if len(off) else 0.0
 
 
-def residual_noise(noise, rate, cutoff):
+def residual_noise(noise: float, rate: float, cutoff: float) -> tuple[float, float]:
     """What `gaps_and_spikes.low_pass` leaves of white noise.
 
     Parameters
@@ -44,7 +46,9 @@ def residual_noise(noise, rate, cutoff):
     return noise * place, noise * acceleration
 
 
-def noise_note(tracks, labels, rate, cutoff):
+def noise_note(
+    tracks: Mapping[str, np.ndarray], labels: Mapping[str, str], rate: float, cutoff: float | None
+) -> list[str]:
     """Note (list of str) on the noise of tracks, name -> (n, 3) [m]; empty where it is small.
 
     Parameters
@@ -54,7 +58,7 @@ def noise_note(tracks, labels, rate, cutoff):
     if rate < FAST * (cutoff or 6.0):
         return []
     noise = {name: noise_of(track) for name, track in tracks.items()}
-    usual, worst = float(np.median(list(noise.values()))), max(noise, key=noise.get)
+    usual, worst = float(np.median(list(noise.values()))), max(noise, key=lambda name: noise[name])
     if noise[worst] < NOTED:
         return []
     note = (

@@ -28,7 +28,8 @@ def read_trc(path: str | Path) -> Raw:
         raise ValueError(f"{path}: line {top + 1} names no marker after 'Frame#' and 'Time'")
     header = _header(lines[:top])
     width = 2 + 3 * len(labels)
-    rows, used, ends = [], [], []
+    rows: list[list[float]] = []
+    used, ends = [], []
     for k, line in enumerate(lines[top + 1 :], top + 2):
         cells = cells_of(line)
         first = next((c for c in cells if c), "")

@@ -4,6 +4,7 @@
 Numbers are for a stature of 1.755 m; their sources stand in `synthetic_walk`.
 """
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from shellform.motion.proportions import HEEL, HIP_SPACING, SIGN, TOE
 from shellform.motion.recording import SIDES
 
 from .footfall import Footfall, Swing
-from .obstacle_crossing import LEAD, TRAIL
+from .obstacle_crossing import LEAD, TRAIL, Crossing
 
 STEP, STEP_TIME = 0.66, 0.545  # [m], [s]
 SUPPORT = 0.090  # both feet on the floor after a heel strike [s]
@@ -48,12 +49,14 @@ class Footsteps(NamedTuple):
     height: float
     share: float
 
-    def crossing(self, i):
+    def crossing(self, i: int) -> Crossing | None:
         """How step i crosses, or None."""
         return None if self.lead is None else {self.lead: LEAD, self.lead + 1: TRAIL}.get(i)
 
 
-def footsteps(strides, height, stride, stand, first, depth):
+def footsteps(
+    strides: int, height: float, stride: int, stand: float, first: str, depth: float
+) -> Footsteps:
     """Where and when the feet come down; two steps more than asked for, to go on smoothly."""
     n = 2 * strides + 3
     length, time = np.full(n, STEP), np.full(n, STEP_TIME)
@@ -73,12 +76,12 @@ def footsteps(strides, height, stride, stand, first, depth):
     return Footsteps(side, place, stand + np.cumsum(time), stand, lead, front, depth, height, share)
 
 
-def footfalls(steps):
+def footfalls(steps: Footsteps) -> dict[str, list[Footfall]]:
     """Footfalls by side; both feet stand at the origin first."""
-    falls = {side: [] for side in SIDES}
+    falls: dict[str, list[Footfall]] = {side: [] for side in SIDES}
     half = 0.5 * HIP_SPACING
     off = steps.start + FIRST_OFF
-    rise = ((off - FIRST_RISE, 0.0), (off, FIRST_PITCH))
+    rise: tuple[tuple[float, float], ...] = ((off - FIRST_RISE, 0.0), (off, FIRST_PITCH))
     falls[steps.side[1]].append(Footfall(0.0, SIGN[steps.side[1]] * half, -np.inf, 0.0, rise))
     for i in range(len(steps.side) - 1):
         side, strike = steps.side[i], steps.strike[i]
@@ -93,7 +96,7 @@ def footfalls(steps):
     return falls
 
 
-def level_swings(falls):
+def level_swings(falls: Sequence[Footfall]) -> list[Swing]:
     """Swing from each footfall to the next."""
     out = []
     for begin, end in pairwise(falls):
@@ -105,7 +108,9 @@ def level_swings(falls):
     return out
 
 
-def events_of(falls, slow, end):
+def events_of(
+    falls: Mapping[str, Sequence[Footfall]], slow: float, end: float
+) -> tuple[tuple[str, float], ...]:
     """(name, time [s]) of heel strikes and toe-offs until the end, in order."""
     events = []
     for side in SIDES:

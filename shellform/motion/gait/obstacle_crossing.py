@@ -7,14 +7,20 @@ leg, and the foot swung outward bring both down. The foot hangs from its shank: 
 knot is the shank's angle plus a given dorsiflexion, found by iteration with the leg's kinematics.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from shellform.motion.proportions import HIP_SPACING, LENGTHS, SIGN
 
-from .footfall import Swing, sole, track, turned
+from .footfall import Footfall, Swing, sole, track, turned
 from .leg import leg_points
+
+if TYPE_CHECKING:
+    from .footsteps import Footsteps
 
 CLEARANCE = 0.07  # of the sole over the obstacle [m]; people keep 0.05 to 0.2
 LAST = 0.88  # instant of the last pitch knot, while the knee extends
@@ -95,7 +101,9 @@ def _between(pair, height):
     return low + max(0.0, (height - 0.1) / 0.4) * (high - low)
 
 
-def turned_out(ways, side, share, t):
+def turned_out(
+    ways: Sequence[tuple[Crossing, Sequence[Footfall]]], side: str, share: float, t: np.ndarray
+) -> np.ndarray:
     """Turn (n,) [rad] of a leg outward at times t, positive to the left; two derivatives smooth.
 
     ways : list of (Crossing, (footfall before, footfall after)); share : of its `out`.
@@ -107,7 +115,13 @@ def turned_out(ways, side, share, t):
     return turn
 
 
-def cross(way, falls, side, steps, hips):
+def cross(
+    way: Crossing,
+    falls: Sequence[Footfall],
+    side: str,
+    steps: Footsteps,
+    hips: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
+) -> Swing:
     """Swing over the obstacle between two footfalls.
 
     Parameters

@@ -35,8 +35,9 @@ from shellform.motion.recording import SIDES, Recording
 
 from .footfall import spline, track
 from .footsteps import FIRST_OFF, STEP, STEP_TIME, events_of, footfalls, footsteps, level_swings
-from .leg import joint_angles, leg_points, standing, standing_of
+from .leg import joint_angles, leg_points
 from .obstacle_crossing import LEAD, TRAIL, cross, turned_out
+from .standing_pose import standing, standing_of
 
 __all__ = ["joint_angles", "standing", "standing_of", "synthetic_walk"]
 
@@ -52,15 +53,15 @@ TALLEST, DEEPEST = 0.305, 0.045  # obstacle over stature up to which the walk is
 
 
 def synthetic_walk(
-    stature=1.755,
-    strides=4,
-    obstacle=0.5,
-    obstacle_stride=3,
-    rate=100.0,
-    stand=0.3,
-    first="right",
-    depth=0.06,
-):
+    stature: float = 1.755,
+    strides: int = 4,
+    obstacle: float = 0.5,
+    obstacle_stride: int = 3,
+    rate: float = 100.0,
+    stand: float = 0.3,
+    first: str = "right",
+    depth: float = 0.06,
+) -> Recording:
     """A wearer who stands, walks and steps over an obstacle; x forward, z up, floor at z = 0.
 
     A stride is a step of the `first` foot and one of the other; the recording ends with the heel
@@ -96,7 +97,7 @@ def synthetic_walk(
     pelvis = _pelvis(steps)
     falls = footfalls(steps)
     swings = {side: level_swings(falls[side]) for side in SIDES}
-    out = {side: [] for side in SIDES}
+    out: dict[str, list] = {side: [] for side in SIDES}
     for i in range(1, 2 * strides + 1):
         way = steps.crossing(i)
         if way is not None:
