@@ -26,7 +26,7 @@ Locator = Callable[[np.ndarray], np.ndarray]  # points (n, 3) -> True for those 
 __all__ = ["MeshError", "Surface", "check", "nodal_normals"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """A shell's middle surface.
 
@@ -46,6 +46,13 @@ class Surface:
     Raises
     ------
     MeshError : as described in `check`.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    >>> meshes.Surface(corners, [(0, 1, 2, 3)], {"hem": [(0, 1)]}, source="square")
+    Surface(square: 4 points, 1 quadrilateral of degree 1; edges hem)
     """
 
     points: np.ndarray
@@ -78,6 +85,13 @@ class Surface:
                     raise MeshError(
                         f"{self.source}: {error}; give the directors or separate the points."
                     ) from None
+
+    def __repr__(self):
+        count = len(self.cells)
+        kind = f"{count} {self.kind}{'' if count == 1 else 's'} of degree {self.degree}"
+        edges = f"; edges {', '.join(self.edges)}" if self.edges else ""
+        panels = f"; panels {', '.join(self.panels)}" if self.panels else ""
+        return f"Surface({self.source}: {len(self.points)} points, {kind}{edges}{panels})"
 
     def _floats(self, name, value):
         try:

@@ -20,7 +20,16 @@ if TYPE_CHECKING:
 
 
 class MeshError(ValueError):
-    """A mesh that cannot be used; the message names the mesh, the item and the mend."""
+    """A mesh that cannot be used; the message names the mesh, the item and the mend.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    >>> meshes.Surface(corners, [(0, 1, 2, 4)])
+    Traceback (most recent call last):
+    meshes.validity.MeshError: surface: ...
+    """
 
 
 def check(surface: Surface) -> None:

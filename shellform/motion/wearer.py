@@ -66,6 +66,17 @@ class Wearer(Body):
     ------
     ValueError for a segment that the recording lacks, a name given twice, semi-axes that make no
     ellipsoid, or points that span no plane
+
+    Examples
+    --------
+    >>> from shellform.motion.anthropometry import ellipsoids
+    >>> walk = sf.synthetic_walk(strides=1, obstacle=0.0)
+    >>> wearer = sf.Wearer(walk, ellipsoids(walk.lengths()))
+    >>> len(wearer), wearer.just_below("right_knee")
+    (8, ['right_shank'])
+    >>> pose = wearer.new_pose(wearer.end)
+    >>> f"{pose.velocities[wearer.index('pelvis'), 0]:.1f} m/s"
+    '1.1 m/s'
     """
 
     radii = np.zeros((0, 3))  # of each wearer its own, not by way of Segments as in Body

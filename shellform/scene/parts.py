@@ -19,6 +19,13 @@ class Motion:
     max_gap : longest gap filled [s]; start, end : part of the recording used [s]; initiation : time
     from standing into its first frame [s]; strides, obstacle (height [m], 0 for none) : of the
     synthetic walk.
+
+    Examples
+    --------
+    >>> Motion("walk.trc", start=1.0, end=3.5).cutoff
+    6.0
+    >>> Motion(strides=2, obstacle=0.3).file
+    'synthetic'
     """
 
     file: str | Path = "synthetic"
@@ -36,7 +43,13 @@ class Motion:
 
 @dataclass(frozen=True)
 class Person:
-    """Size of the wearer: stature [m], None: from the recording; mass [kg]; girths by name [m]."""
+    """Size of the wearer: stature [m], None: from the recording; mass [kg]; girths by name [m].
+
+    Examples
+    --------
+    >>> Person(stature=1.80, girths={"waist": 0.94}).girths
+    {'waist': 0.94}
+    """
 
     stature: float | None = with_unit(None, "m")
     mass: float | None = with_unit(None, "kg")
@@ -50,6 +63,13 @@ class Garment:
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
     kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
     arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy.
+
+    Examples
+    --------
+    >>> Garment(size="medium-regular", measures={"hem": 0.36}).kind
+    'trousers'
+    >>> Garment("drawn.obj", unit="mm", waist="highest").cell_size is None
+    True
     """
 
     file: str | Path | None = None
@@ -68,6 +88,11 @@ class Contact:
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
     each other, as calf and thigh [Pa/m], 0 for hard parts; see contact/solver/soft_crease.py.
+
+    Examples
+    --------
+    >>> Contact(friction=0.4, kinetic_friction=0.3).offset is None
+    True
     """
 
     friction: float = 0.3
@@ -83,6 +108,11 @@ class Steps:
     accuracy : 'draft', 'standard', 'fine' or 'N%', see accuracy.py; time_step_factor : of the
     largest stable step; damping : stiffness-proportional [s]; drag : of the air [1/s]; dressing :
     'shell' or 'particles', the model that puts the garment on.
+
+    Examples
+    --------
+    >>> Steps(accuracy="5%", dressing="particles").drag
+    0.3
     """
 
     accuracy: str = "draft"
@@ -98,6 +128,11 @@ class Output:
 
     parts : 'distal', 'child' or a table, joint -> ellipsoids; pressure : side of a patch of the map
     of pressure on the skin [m], 0 for no map; checkpoint : time between them [s].
+
+    Examples
+    --------
+    >>> Output(frames=25.0, parts={"left_knee": ["left_shank"]}).window
+    0.02
     """
 
     window: float = with_unit(0.02, "s")

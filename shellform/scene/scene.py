@@ -28,6 +28,16 @@ class Scene:
     Raises
     ------
     ValueError naming the part, the item and the mend
+
+    Examples
+    --------
+    >>> from shellform.scene.parts import Garment, Person
+    >>> scene = sf.Scene("stiff", person=Person(stature=1.80), garment=Garment(cell_size=0.03))
+    >>> scene.cell_size, scene.motion.file, scene.contact.friction
+    (0.03, 'synthetic', 0.3)
+    >>> sf.Scene(gravity=98.1)
+    Traceback (most recent call last):
+    ValueError: gravity = 98.1 lies outside 0 to 30: 9.81 on earth
     """
 
     fabric: Fabric | str | Path = "compliant"

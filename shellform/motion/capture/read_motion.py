@@ -67,6 +67,26 @@ def read_motion(
         One sentence with file, place and mend.
     ImportError
         When a C3D file is asked for and ezc3d is not installed.
+
+    Examples
+    --------
+    A capture whose markers are the points of the segments themselves, for which the map is short:
+
+    >>> import numpy as np
+    >>> from shellform.motion.capture.segment_map import SegmentMap
+    >>> walk = sf.synthetic_walk(strides=2, obstacle=0.0)
+    >>> ends = {name: {end: f"{name}.{end}" for end in ("J1", "J2", "M")} for name in walk.points}
+    >>> labels = [label for segment in ends.values() for label in segment.values()]
+    >>> head = ",".join(["time", *(f"{label}_{axis} [m]" for label in labels for axis in "xyz")])
+    >>> tracks = np.hstack([track.reshape(-1, 9) for track in walk.points.values()])
+    >>> table = np.column_stack([walk.times, tracks])
+    >>> np.savetxt("walk.csv", table, delimiter=",", header=head, comments="")
+    >>> mine = SegmentMap("mine", {label: (label,) for label in labels}, {}, ends)
+    >>> again = sf.read_motion("walk.csv", mine, up="z")
+    >>> again.notes[0]
+    'up is z, as given'
+    >>> f"{again.facts['stride_length']:.2f} m"
+    '1.32 m'
     """
     return recording(read_markers(path, unit, up), map, max_gap, cutoff, window, rigid)
 

@@ -90,6 +90,14 @@ def synthetic_walk(
     ------
     ValueError
         For an argument out of its range.
+
+    Examples
+    --------
+    >>> walk = sf.synthetic_walk(stature=1.80, obstacle=0.0)
+    >>> f"{walk.facts['stride_length']:.2f} m, {walk.facts['cadence']:.0f} steps a minute"
+    '1.35 m, 109 steps a minute'
+    >>> walk.facts["events"][0]
+    ('right_toe_off', 0.72...)
     """
     _check(stature, strides, obstacle, obstacle_stride, rate, stand, first, depth)
     long, slow = stature / STATURE, np.sqrt(stature / STATURE)
