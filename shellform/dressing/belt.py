@@ -14,6 +14,7 @@ from mpi4py import MPI
 import numpy as np
 
 from contact.kernel import kernel
+from shellform.dynamics.part import AppliedForce
 
 
 @kernel
@@ -76,18 +77,23 @@ class Ring:
         return self.x
 
 
-class Belt:
-    """Pull of a `Newmark` stepper: a cable of tension `tension` [N] along a closed edge.
+class Belt(AppliedForce):
+    """A cable of tension `tension` [N] along a closed edge of a sheet in explicit steps.
 
     `tension` may be changed at any time; at 0 the belt costs nothing.
     """
 
-    def __init__(self, stepper, edge="waist", tension=0.0):
-        self.ring, self.tension = Ring(stepper, edge), tension
-        self._force = np.zeros_like(self.ring.x)
-        stepper.pulls.append(self)
+    def __init__(self, edge="waist", tension=0.0):
+        self.edge, self.tension = edge, tension
 
-    def __call__(self, stepper, force):
+    def attach(self, stepper):
+        """See Part; ValueError if the edge is not one closed line."""
+        self.ring = Ring(stepper, self.edge)
+        self._force = np.zeros_like(self.ring.x)
+        return super().attach(stepper)
+
+    def add_force(self, stepper, force):
+        """See AppliedForce."""
         if self.tension == 0.0:
             return
         self._force[:] = 0.0
@@ -95,25 +101,30 @@ class Belt:
         force[self.ring.own] += self._force[self.ring.mine]
 
 
-class Hands:
-    """Pull of a `Newmark` stepper: springs from the nodes of an edge to places that move.
+class Hands(AppliedForce):
+    """Springs from the nodes of an edge to places that move, in explicit steps.
 
     Parameters
     ----------
-    stepper : Newmark; edge : str
+    edge : str
     places : function of time -> (shift (3,) [m], velocity (3,) [m/s]) of the rest positions
     stiffness : float [N/m], damping : float [N s/m], of each node's spring
     """
 
-    def __init__(self, stepper, edge, places, stiffness, damping):
-        partition = stepper.shell.partition
-        self.own = partition.local(partition.find(edge))
-        self.own = self.own[self.own < partition.n_owned]
+    def __init__(self, edge, places, stiffness, damping):
+        self.edge = edge
         self.places, self.stiffness, self.damping = places, stiffness, damping
         self.hold = 1.0  # 1 firm, 0 let go
-        stepper.pulls.append(self)
 
-    def __call__(self, stepper, force):
+    def attach(self, stepper):
+        """See Part."""
+        partition = stepper.shell.partition
+        own = partition.local(partition.find(self.edge))
+        self.own = own[own < partition.n_owned]
+        return super().attach(stepper)
+
+    def add_force(self, stepper, force):
+        """See AppliedForce."""
         if self.hold == 0.0:
             return
         shift, velocity = self.places(stepper.time)

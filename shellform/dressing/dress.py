@@ -64,7 +64,7 @@ def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
     Parameters
     ----------
     stepper : Newmark on a surface that lies as it will be worn, with the edge 'waist'
-    touch : Touch whose body is a Wearer that starts from rest
+    touch : ExplicitContact whose body is a Wearer that starts from rest
     tension : float [N], of the belt
     plan : Dressing or None
     watch : function of (stage, stepper), called every `every` [s] while stages 'pull', 'belt' and
@@ -95,14 +95,14 @@ def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
     # (b), up over legs and hips
     mass = stepper.shell.comm.allreduce(stepper.mass.sum()) / len(stepper.shell.surface.points)
     damping = 0.5 * np.sqrt(plan.grip * mass)
-    hands = Hands(stepper, "waist", _lift(start, plan.pull, drop), plan.grip, damping)
+    hands = stepper.add(Hands("waist", _lift(start, plan.pull, drop), plan.grip, damping))
     _go(stepper, start + plan.pull, every, lambda: watch("pull", stepper))
     watch("up", stepper)
 
     # (c) and (d)
     correction.allowed[:] = reach
     correction.friction = law
-    belt = Belt(stepper, "waist")
+    belt = stepper.add(Belt("waist"))
     begin = stepper.time
 
     def tighten():
@@ -112,7 +112,7 @@ def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
 
     _go(stepper, begin + plan.belt + plan.release, 0.01, tighten)
     belt.tension = tension
-    stepper.pulls.remove(hands)
+    stepper.remove(hands)
     watch("belted", stepper)
     report = settle(stepper, touch, belt, plan, watch, every)
     stepper.drag = drag

@@ -67,7 +67,7 @@ def wear(activity, path, plan=None):
     stepper.scatter()
     drag = stepper.drag
     stepper.time = activity.wearer.start - plan.settle
-    activity.belt = Belt(stepper, "waist", activity.scene.belt)
+    activity.belt = stepper.add(Belt("waist", activity.scene.belt))
     # at least once, as the wearer may be another
     stepper.advance(stepper.time + 0.1)
     report = settle(stepper, activity.touch, activity.belt, plan, lambda *_: None)

@@ -5,6 +5,9 @@ The TS is of Python type, so -shell_ts_monitor, -shell_ts_max_steps, ... act. It
 nodal field w, brought up to date at the end of each `advance`.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -13,6 +16,8 @@ from shellform.errors import Unstable
 from shellform.fem.lumped_mass import lumped
 
 from . import explicit_kernels
+from .books import BY_DRAG, BY_LOADS, BY_SUPPORTS, Clock, new_books
+from .part import AppliedForce, Attachable, Function, Part, RunningContact
 
 
 class Stepper:
@@ -21,7 +26,6 @@ class Stepper:
     Parameters
     ----------
     shell : Shell, with supports and loads complete; starts from its present state, at rest
-    hooks : callables (stepper, dt), run with the free velocities in `v` before nodes move
     rotary_scale : float, see inertia.py
     prefix : str, of the TS options
 
@@ -31,11 +35,17 @@ class Stepper:
         directors [1/s]
     mass, inertia : (n_owned,) [kg, kg m^2]; points : (n_owned, 3), reference positions [m]
     v_old : (n_owned, 3) or None, node velocities before the last kick
-    time, dt : float [s]; steps : int
+    clock : Clock, of which `time`, `dt` and `steps` are; books : Books
+    parts : list of Part, in the order of their turns in a step, see `add`
+    contact : RunningContact or None, the one among them
     """
 
-    def __init__(self, shell, hooks, rotary_scale, prefix):
-        self.shell, self.hooks = shell, list(hooks)
+    implicit = False
+
+    def __init__(self, shell, rotary_scale, prefix):
+        self.shell = shell
+        self.parts: list[Part] = []
+        self.contact: RunningContact | None = None
         partition, n = shell.partition, shell.partition.n_owned
         self.n_owned = n
         shell.supports.frozen = True
@@ -47,7 +57,7 @@ class Stepper:
         self.mass, self.inertia = mass[partition.owned_nodes], inertia[partition.owned_nodes]
         self.v, self.q = np.zeros((n, 3)), np.zeros((n, 3))
         self.v_old = None
-        self.time, self.steps = 0.0, 0
+        self.clock, self.books = Clock(), new_books()
         self.ts = PETSc.TS().create(shell.comm)
         self.ts.setOptionsPrefix(prefix)
         self.ts.setType(PETSc.TS.Type.PYTHON)
@@ -59,8 +69,104 @@ class Stepper:
         self.ts.setSolution(self._ts_vector)
         self.ts.setFromOptions()
 
+    @property
+    def time(self) -> float:
+        """Present time [s]; may be set between calls of `advance`."""
+        return self.clock.time
+
+    @time.setter
+    def time(self, value: float) -> None:
+        self.clock.time = value
+
+    @property
+    def dt(self) -> float:
+        """Step [s] to take next; may be set between calls of `advance`."""
+        return self.clock.dt
+
+    @dt.setter
+    def dt(self, value: float) -> None:
+        self.clock.dt = value
+
+    @property
+    def steps(self) -> int:
+        """Steps taken so far."""
+        return self.clock.steps
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Works [J] on this rank by kind, see books.py."""
+        return self.books.by_kind()
+
+    @property
+    def external_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of the loads on this rank's nodes so far."""
+        return self.books.impulses[BY_LOADS]
+
+    @property
+    def support_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of the supports on this rank's nodes so far."""
+        return self.books.impulses[BY_SUPPORTS]
+
+    @property
+    def drag_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of drag on this rank's nodes so far."""
+        return self.books.impulses[BY_DRAG]
+
+    def describe(self) -> dict[str, Any]:
+        """What is modelled, for the plan of a run: element, terms, loads, contact."""
+        plan = self.shell.plan()
+        plan["terms"] += ["inertia", "rotary inertia"]
+        return plan | self.describe_contact()
+
+    def describe_contact(self) -> dict[str, Any]:
+        """Names of the segments in contact and coefficients of friction, where there are any."""
+        if self.contact is None:
+            return {}
+        plan: dict[str, Any] = {"contact": list(self.contact.body.names)}
+        if self.contact.friction[0] > 0:
+            plan["friction"] = list(self.contact.friction)
+        return plan
+
+    def add(self, part: Attachable | Callable[[Any, float], object]) -> Any:
+        """Let a part run with the steps, see part.py; returns the running part.
+
+        Raises
+        ------
+        TypeError for what is no part; ValueError as the part's `attach` does
+        """
+        if isinstance(part, Attachable):
+            return part.attach(self)
+        if not callable(part):
+            raise TypeError(
+                f"a stepper takes parts, as Contact(body), and functions of (stepper, dt), "
+                f"not {part!r}"
+            )
+        return Function(part).attach(self)
+
+    def remove(self, part: Part) -> None:
+        """Let a part run no longer."""
+        self.parts.remove(part)
+
+    def set_contact(self, contact: RunningContact) -> None:
+        """Take over a contact; ValueError if there is one, or if its books came first."""
+        if self.contact is not None:
+            raise ValueError("this stepper has a body already; give all segments to one Body")
+        for part in self.parts:
+            if part.books_contact:
+                raise ValueError(
+                    f"add the contact before {type(part).__name__}, which books what it does"
+                )
+        self.contact = contact
+
+    def add_applied_force(self, part: AppliedForce) -> None:
+        """ValueError: only explicit steps take forces that depend on the motion."""
+        raise ValueError(
+            f"{type(part).__name__} pushes nodes by where they are and how they move: explicit "
+            "steps only, take Newmark"
+        )
+
     def keep_old_velocities(self):
-        """Keep the velocities of the step before in `v_old`, for hooks that book work."""
+        """Keep the velocities of the step before in `v_old`, for parts that book work."""
         if self.v_old is None:
             self.v_old = self.v.copy()
 
@@ -103,7 +209,7 @@ class Stepper:
         """
         kinetic, strain = self.momenta()[2], sum(self.strain_energy().values())
         work = {kind: self.shell.comm.allreduce(value) for kind, value in self.work.items()}
-        return {"damping": 0.0} | work | {"kinetic": kinetic, "strain": strain}
+        return work | {"kinetic": kinetic, "strain": strain}
 
     def check_finite(self, total, dt, fault=None):
         """Raise Unstable on all ranks if the sum of any rank's coordinates is not finite.

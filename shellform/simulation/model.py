@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A scene ready to be stepped: wearer, garment, shell, stepper, contact."""
 
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dressing.belt import Belt
 from shellform.dressing.dress import Dressing, dress, settle
 from shellform.dynamics.explicit import Newmark
@@ -22,7 +22,7 @@ class Activity:
     Attributes
     ----------
     wearer : Wearer of those ellipsoids that the garment can come to
-    surface, shell, stepper, touch : see build.py, Shell, Newmark, Touch
+    surface, shell, stepper, touch : see build.py, Shell, Newmark, ExplicitContact
     whole : Wearer of all of them
     """
 
@@ -47,7 +47,7 @@ class Activity:
         if contact.kinetic_friction is not None:
             friction = (friction, contact.kinetic_friction)
         soft = {"flesh_stiffness": contact.flesh_stiffness}
-        touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
+        touch = stepper.add(Contact(self.wearer, friction, contact.offset, **soft))
         touch.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
         return touch
 
@@ -68,10 +68,10 @@ class Activity:
         particles = Particles(self.shell, steps.time_step_factor, drag=steps.drag)
         touch = self._touch(particles)
         _, report = dress(particles, touch, tension, watch=watch)
-        hand_over(particles, self.stepper, touch, self.touch)
+        hand_over(particles, self.stepper)
         # the shell bends where springs do not: it settles once more
         plan = Dressing()
-        self.belt = Belt(self.stepper, "waist", tension)
+        self.belt = self.stepper.add(Belt("waist", tension))
         self.stepper.time = self.wearer.start - plan.settle
         self.stepper.advance(self.stepper.time + 0.1)
         again = settle(self.stepper, self.touch, self.belt, plan, lambda *_: None)

@@ -68,29 +68,14 @@ def plan_of(scene, wearer=None, surface=None, near=None):
     return {name: value for name, value in plan.items() if value or value is False}
 
 
-def plan_of_run(shell, stepper=None, touch=None):
+def plan_of_run(shell, stepper=None):
     """Plan of a run that has no scene: of a shell at rest, or with its stepper and its contact.
 
     Parameters
     ----------
     shell : Shell, loads complete; stepper : Stepper, None in statics
-    touch : Touch or ImplicitTouch, None without a body
     """
-    plan = shell.plan()
-    if stepper is None:
-        return plan
-    if hasattr(stepper, "strain_limit"):  # Particles
-        plan = {"terms": ["springs", "inertia"], "loads": plan["loads"]}
-    else:
-        plan["terms"] += ["inertia", "rotary inertia"]
-    plan["terms"] += [name for name in ("drag", "damping") if getattr(stepper, name, 0.0)]
-    if touch is not None:
-        correction = touch.correction
-        plan["contact"] = list(correction.body.names)
-        friction = getattr(correction, "friction", correction._law)[:2]
-        if friction[0] > 0:
-            plan["friction"] = list(friction)
-    return plan
+    return shell.plan() if stepper is None else stepper.describe()
 
 
 def told(plan):

@@ -4,6 +4,7 @@
 import numpy as np
 
 from shellform.dressing.dress import STAGES
+from shellform.dynamics.part import Part
 from shellform.results.series import Series
 
 
@@ -36,21 +37,21 @@ def dressing_watcher(activity, out, watch):
     return look
 
 
-class Extremes:
-    """Hook: deepest start of a step inside the body, most pinched nodes, how deep they were.
+class Extremes(Part):
+    """Deepest start of a step inside the body, most pinched nodes, how deep they were.
 
     Parameters
     ----------
-    touch : Touch; stepper : Newmark; resumed : state of a checkpoint or None
+    resumed : state of a checkpoint or None
     """
 
-    def __init__(self, touch, stepper, resumed=None):
-        self.correction, self._comm = touch.correction, stepper.shell.comm
+    books_contact = True
+
+    def __init__(self, resumed=None):
         self.values = np.zeros(3) if resumed is None else resumed["extremes"].copy()
-        stepper.hooks.append(self)
 
     def __call__(self, stepper, dt):
-        now = self.correction
+        now = stepper.contact
         self.values[0] = max(self.values[0], now.max_depth)
         self.values[1] = max(self.values[1], now.pinched)
         self.values[2] = max(self.values[2], now.pinch_depth)
@@ -65,4 +66,4 @@ class Extremes:
 
     def saved(self):
         """Largest values over all ranks, for `resumed`."""
-        return {"extremes": np.max(self._comm.allgather(self.values), axis=0)}
+        return {"extremes": np.max(self.stepper.shell.comm.allgather(self.values), axis=0)}

@@ -91,26 +91,23 @@ def _play(activity, report, series, out, watch, fit=None, state=None):
         touch.correction.reset()
         write_frame(activity, series, np.zeros(3))
     else:
-        activity.belt = Belt(stepper, "waist", scene.belt)
-        resumed = checkpoint.load(state, stepper, touch)
+        activity.belt = stepper.add(Belt("waist", scene.belt))
+        resumed = checkpoint.load(state, stepper)
         fit, done = json.loads(str(resumed["fit"])), int(resumed["done"])
-    joints = Torque(touch, stepper, scene.output.parts, out / "torque.csv", resumed)
-    ledger = Ledger(out / "ledger.csv", stepper, touch, resumed)
-    extremes = Extremes(touch, stepper, resumed)
+    joints = stepper.add(Torque(out / "torque.csv", scene.output.parts, resumed))
+    ledger = stepper.add(Ledger(out / "ledger.csv", resumed))
+    extremes = stepper.add(Extremes(resumed))
     skin = None
     if scene.output.pressure:
         from shellform.results import skin_pressure as pressure
 
-        skin = pressure.Pressure(touch, stepper, scene.output.pressure, resumed)
+        skin = stepper.add(pressure.Pressure(scene.output.pressure, resumed))
     between = max(1, round(scene.output.checkpoint / scene.output.window))
     picture = max(1, round(1 / (scene.output.frames * scene.output.window)))
 
     def keep(done):
-        parts = [joints.saved(), ledger.saved(), extremes.saved(), skin.saved() if skin else {}]
         more = {"fit": json.dumps(fit), "done": done}
-        for part in parts:
-            more |= part
-        checkpoint.save(out / "checkpoint.npz", stepper, touch, more)
+        checkpoint.save(out / "checkpoint.npz", stepper, more)
 
     with Interrupt(comm) as interrupt:
         bar = progress(times[done:], count - done, "walk")

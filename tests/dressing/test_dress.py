@@ -46,7 +46,7 @@ class Dressed(NamedTuple):
     rows: list  # of the ledger, while dressing
     weight: float
     allowed: np.ndarray  # ellipsoids that each node may meet, in the end
-    pulls: int
+    applied_forces: int
 
 
 def held_at_the_waist(activity):
@@ -79,7 +79,7 @@ def dressed(fabric):
     activity = Activity(Scene(fabric=fabric, motion=SHORT), COMM)
     wearer, correction = activity.wearer, activity.touch.correction
     feet = wearer.mask([f"{side}_foot" for side in SIDES])
-    ledger = Ledger(None, activity.stepper, activity.touch)
+    ledger = activity.stepper.add(Ledger())
     stages, looks, pressed = {}, [], []
 
     def watch(stage, stepper):
@@ -107,7 +107,7 @@ def dressed(fabric):
         ledger.rows,
         activity.weight,
         activity.shell.partition.gather(correction.allowed[:, None].astype(float))[:, 0],
-        len(activity.stepper.pulls),
+        len(activity.stepper.external.applied),
     )
 
 
@@ -213,7 +213,7 @@ def test_settled(fabric):
     state = dressed(fabric)
     assert state.report["settled"] and state.report["speed"] <= 0.01
     assert 1.7 < state.report["seconds"] < 4.7
-    assert state.pulls == 1
+    assert state.applied_forces == 1
     (start, before), (end, after) = state.last
     moved = np.sqrt(np.mean(np.sum((after - before) ** 2, axis=1)))
     assert 0.01 < end - start < 0.1 and moved < 0.01 * (end - start)

@@ -14,8 +14,10 @@ from dolfinx.la import create_petsc_vector
 
 import meshes
 from shellform import Fabric, Shell
+from shellform.dynamics.books import new_books
 from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.explicit_kernels import book, drift
+from shellform.dynamics.explicit_kernels import Forces, Nodes, book, drift
+from shellform.dynamics.part import AppliedForce
 from shellform.errors import Unstable
 from shellform.fem.internal_force import InternalForce, by_segments
 from shellform.fem.lumped_mass import lumped, nodal_areas
@@ -150,11 +152,15 @@ def test_impulses_are_booked_to_the_last_digits():
     Node by node the same rounding repeats: off by 1.8e-11 here, and growing with nodes and steps.
     """
     n, steps, force, dt = 500, 2000, np.full((500, 3), 1.962 / 625), 1.72e-4
-    v, held = np.zeros((n, 3)), np.zeros((n, 4), bool)
-    r, mass, impulse, booked = np.zeros((n, 6)), np.ones(n), 3.0 * force, np.zeros((3, 3))
+    v, impulse, books = np.zeros((n, 3)), 3.0 * force, new_books()
+    nodes = Nodes(np.ones(n), np.ones(n), np.zeros((n, 4), bool), np.zeros((n, 3)))
+    forces = Forces(np.zeros((n, 6)), force, impulse)
     for _ in range(steps):
-        book(v, v, v, r, force, held, mass, 0.0, dt, impulse, np.zeros(5), booked)
-    for found, one in ((booked[0, 0], force[0, 0] * dt), (booked[1, 0], impulse[0, 0])):
+        book(v, v, v, forces, nodes, 0.0, dt, books)
+    for found, one in (
+        (books.impulses[0, 0], force[0, 0] * dt),
+        (books.impulses[1, 0], impulse[0, 0]),
+    ):
         exact = n * steps * Fraction(one)
         worst = 0.5 * np.finfo(float).eps * (n + steps)
         assert abs(Fraction(found) - exact) <= worst * exact
@@ -231,17 +237,18 @@ def test_amplitude_is_a_function_of_time():
 
 
 @pytest.mark.parametrize("amplitude", [None, lambda t: 1.0 + t])
-def test_a_pull_is_an_external_force(amplitude):
-    """Springs to the ground under gravity: momentum and work of pulls are booked, and end."""
+def test_an_applied_force_is_external(amplitude):
+    """Springs to the ground under gravity: momentum and work are booked, and end."""
     shell = sheet(4)
     shell.loads.gravity((0.0, 0.0, -9.81), amplitude=amplitude)
     newmark = Newmark(shell, 0.5)
     comm, k = shell.comm, 40.0
 
-    def springs(stepper, force):
-        force -= k * stepper.mass[:, None] * stepper.owned[:, :3]
+    class Springs(AppliedForce):
+        def add_force(self, stepper, force):
+            force -= k * stepper.mass[:, None] * stepper.owned[:, :3]
 
-    newmark.pulls.append(springs)
+    springs = newmark.add(Springs())
     newmark.v[:, 0] = 0.3
     start = comm.allreduce(newmark.mass @ newmark.v)
     kinetic = newmark.momenta()[2]
@@ -256,9 +263,11 @@ def test_a_pull_is_an_external_force(amplitude):
         fallen = comm.allreduce(-9.81 * np.sum(newmark.mass * u[:, 2]))
         work = fallen - stored
         assert newmark.momenta()[2] - kinetic == pytest.approx(work, rel=1e-3)
-        half = 0.5 * newmark.last_dt * comm.allreduce(np.vdot(newmark.force, newmark.v))
+        half = (
+            0.5 * newmark.clock.last_dt * comm.allreduce(np.vdot(newmark.external.force, newmark.v))
+        )
         assert comm.allreduce(newmark.work["external"]) + half == pytest.approx(work, rel=1e-3)
-    newmark.pulls.clear()
+    newmark.remove(springs)
     before = comm.allreduce(newmark.mass @ newmark.v)
     newmark.advance(0.15)
     weight = shell.fabric.areal_mass * 9.81
