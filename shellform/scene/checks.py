@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Checks on the values of a scene, before anything is computed."""
+"""Checks on the values of a scene: their kinds, their ranges, and what goes together.
+
+They run when a scene is made, before anything is read or computed, and name part, item, value and
+mend in one sentence.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,7 @@ from .parts import PARTS
 if TYPE_CHECKING:
     from .scene import Scene
 
+KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
 # what numbers may be, with what a number outside is likely to be
 RANGES = {
     "belt": (0, 500, "a belt of 5 to 50 N is usual"),
@@ -38,17 +43,6 @@ RANGES = {
     "output.pressure": (0, 0.2, "patches of 0.03 m, 0 for no map"),
     "output.checkpoint": (1e-3, 1e4, "0.5 s is usual"),
 }
-
-
-def check_accuracy(asked: str) -> None:
-    """ValueError if steps.accuracy is none."""
-    try:
-        relative_error(asked)
-    except ValueError as error:
-        raise ValueError(f"steps.accuracy is {error}") from None
-
-
-KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
 
 
 def check_kinds(scene: Scene) -> None:
@@ -83,6 +77,7 @@ def _is(value, kind):
 
 
 def check_numbers(scene: Scene) -> None:
+    """ValueError for a number out of its range, and for values that exclude each other."""
     for where, (low, high, hint) in RANGES.items():
         part, _, name = where.rpartition(".")
         value = getattr(getattr(scene, part) if part else scene, name)
@@ -102,3 +97,11 @@ def check_numbers(scene: Scene) -> None:
     start, end = scene.motion.start, scene.motion.end
     if start is not None and end is not None and not start < end:
         raise ValueError(f"motion.start = {start:g} s is not before motion.end = {end:g} s")
+
+
+def check_accuracy(asked: str) -> None:
+    """ValueError if steps.accuracy is none."""
+    try:
+        relative_error(asked)
+    except ValueError as error:
+        raise ValueError(f"steps.accuracy is {error}") from None

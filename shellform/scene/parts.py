@@ -87,7 +87,7 @@ class Contact:
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
-    each other, as calf and thigh [Pa/m], 0 for hard parts; see contact/solver/soft_crease.py.
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`.
 
     Examples
     --------
@@ -105,9 +105,9 @@ class Contact:
 class Steps:
     """How motion is computed.
 
-    accuracy : 'draft', 'standard', 'fine' or 'N%', see accuracy.py; time_step_factor : of the
-    largest stable step; damping : stiffness-proportional [s]; drag : of the air [1/s]; dressing :
-    'shell' or 'particles', the model that puts the garment on.
+    accuracy : 'draft', 'standard', 'fine' or 'N%', see `shellform.accuracy.choice`;
+    time_step_factor : of the largest stable step; damping : stiffness-proportional [s]; drag : of
+    the air [1/s]; dressing : 'shell' or 'particles', the model that puts the garment on.
 
     Examples
     --------
@@ -124,7 +124,7 @@ class Steps:
 
 @dataclass(frozen=True)
 class Output:
-    """What is told: window of the averages [s], pictures a second, which parts count for a joint.
+    """What is written of a run: averages over a window [s], pictures a second, torques, pressures.
 
     parts : 'distal', 'child' or a table, joint -> ellipsoids; pressure : side of a patch of the map
     of pressure on the skin [m], 0 for no map; checkpoint : time between them [s].

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The scene: wearer, motion, garment, fabric, belt, and how it is to be computed and told.
+"""The scene: wearer, motion, garment, fabric, belt, how it is to be computed and what is written.
 
 A Scene is a value, made in Python or read from a TOML file (scene_file.py). Everything in it is
 checked when it is made; nothing is computed. wearer.py and garment.py turn it into arrays.

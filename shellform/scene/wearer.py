@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From a scene to its parts: the wearer in motion, the garment where it will be worn, the plan.
+"""The wearer of a scene: a captured or a synthetic motion, and ellipsoids of the person's size.
 
-Only what the scene asks for is imported, read and made. Everything a user can get wrong about body
-and garment is found here, before any computation.
+Only what the scene asks for is imported, read and made. A motion that does not begin at rest is led
+into from standing; what of the body the garment cannot come to is left out.
 """
 
 from collections.abc import Collection, Mapping
@@ -14,10 +14,10 @@ from shellform.motion import anthropometry
 from shellform.motion.capture.gait_initiation import gait_initiation
 from shellform.motion.gait.standing_pose import standing_of
 from shellform.motion.gait.synthetic_walk import synthetic_walk
+from shellform.motion.joint_parts import chosen_parts
 from shellform.motion.proportions import STATURE
 from shellform.motion.recording import SIDES, Recording
 from shellform.motion.wearer import Wearer
-from shellform.results.joint_torque import chosen_parts
 
 from .reach import reachable
 from .scene import Scene
@@ -55,7 +55,7 @@ def wearer_of(scene: Scene) -> Wearer:
     if not at_rest(recording, standing):
         recording = gait_initiation(recording, standing, motion.initiation)
     wearer = Wearer(recording, ellipsoids_of(scene, recording))
-    chosen_parts(wearer, scene.output.parts)  # a joint that is not there is told before dressing
+    chosen_parts(wearer, scene.output.parts)  # a joint that is not there is found before dressing
     return wearer
 
 

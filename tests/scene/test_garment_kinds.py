@@ -9,7 +9,8 @@ import pytest
 import meshes
 from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
-from shellform.scene.garment import HIP_HEIGHT, garment_of, waist_height
+from shellform.scene.fit import waist_height
+from shellform.scene.garment import HIP_HEIGHT, garment_of
 from shellform.scene.parts import Garment, Person
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of

@@ -11,7 +11,8 @@ from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.recording import Recording
 from shellform.motion.stance import stance
 from shellform.scene import wearer as build
-from shellform.scene.garment import garment_of, girth_at, waist_height
+from shellform.scene.fit import girth_at, waist_height
+from shellform.scene.garment import garment_of
 from shellform.scene.parts import Garment, Motion, Person
 from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene

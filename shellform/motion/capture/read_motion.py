@@ -179,7 +179,7 @@ def recording(
 def _mended(tracks, labels, times, max_gap, source):
     """Tracks without gaps and spikes, by the map's names, and notes of what was mended."""
     out, spikes = {}, []
-    gaps: dict[str, list[str]] = {}  # those of one time together
+    gaps = {}  # those of one time together
     for name, track in tracks.items():
         label = labels[name]
         track, said = filled(track, label, times, max_gap, source)
