@@ -50,7 +50,7 @@ class Dressing:
 def drop_below(surface, wearer, time):
     """How far [m] a garment is let down so that its waist edge is below all but the feet."""
     pose = wearer.new_pose(time)
-    worn = [k for k, segment in enumerate(wearer.segments) if not segment.endswith("foot")]
+    worn = [k for k, segment in enumerate(wearer.carriers) if not segment.endswith("foot")]
     # an ellipsoid reaches sqrt(sum (r_i e_i . z)^2) below its centre
     reach = np.sqrt(np.sum((wearer.radii[worn] * pose.axes[worn, :, 2]) ** 2, axis=1))
     low = (pose.centres[worn, 2] - reach).min()
@@ -79,7 +79,7 @@ def dress(stepper, touch, tension, plan=None, watch=None, every=0.05):
     plan = Dressing() if plan is None else plan
     correction, wearer = touch.correction, touch.correction.body
     watch = watch or (lambda stage, stepper: None)
-    feet = wearer.mask([n for n, s in zip(wearer.names, wearer.segments) if s.endswith("foot")])
+    feet = wearer.mask([n for n, s in zip(wearer.names, wearer.carriers) if s.endswith("foot")])
     reach, law, drag = correction.allowed.copy(), correction.friction, stepper.drag
     start = wearer.start - plan.seconds
     stepper.time, stepper.drag = start, plan.drag

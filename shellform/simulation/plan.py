@@ -15,6 +15,7 @@ measures it.
 """
 
 from shellform.fem.element import terms_of
+from shellform.material.card import fabric_of
 from shellform.scene.garment import garment_of
 
 SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
@@ -31,7 +32,7 @@ def plan_of(scene, wearer=None, surface=None, near=None):
 
     Raises
     ------
-    ValueError as build.py does for a body or a garment that is wrong
+    ValueError as scene/wearer.py and scene/garment.py do for a body or a garment that is wrong
     """
     from shellform.dressing.dress import Dressing
     from shellform.scene import wearer as build
@@ -40,7 +41,7 @@ def plan_of(scene, wearer=None, surface=None, near=None):
     surface = garment_of(scene, wearer) if surface is None else surface
     near = build.dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
-    terms = [*terms_of(build.fabric(scene)), "inertia", "rotary inertia"]
+    terms = [*terms_of(fabric_of(scene.fabric)), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
     plan = {
         "element": f"{surface.kind} of degree {surface.degree}",

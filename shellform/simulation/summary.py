@@ -5,9 +5,9 @@ import json
 from itertools import pairwise
 from pathlib import Path
 
+from shellform.material.card import fabric_of
 from shellform.motion.recording import SIDES
 from shellform.results.joint_torque import resistance
-from shellform.scene import wearer as build
 from shellform.scene.parts import PARTS
 
 from .plan import plan_of
@@ -83,7 +83,7 @@ def settings(scene):
     """A scene as plain values for summary.json."""
     settings = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
     settings |= {name: dict(vars(getattr(scene, name))) for name in PARTS}
-    fabric = build.fabric(scene)
+    fabric = fabric_of(scene.fabric)
     return settings | {"fabric": {"name": fabric.name, "summary": fabric.summary()}}
 
 

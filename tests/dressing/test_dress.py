@@ -17,6 +17,7 @@ import meshes
 from shellform.dressing import belt
 from shellform.dressing.dress import Dressing, drop_below, elongation
 from shellform.dressing.saved_state import save, wear
+from shellform.material.card import fabric_of
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
@@ -134,7 +135,7 @@ def test_outside_the_body(fabric):
     wearer, _ = standing()
     pose = wearer.new_pose(wearer.start)
     assert state.report["depth"] <= 1e-4
-    offset = 0.5 * build.fabric(Scene(fabric=fabric)).thickness
+    offset = 0.5 * fabric_of(fabric).thickness
     met, deep = 0, np.zeros(len(state.positions), bool)
     for k, name in enumerate(wearer.names):
         may = np.round(state.allowed).astype(int) & wearer.mask([name]) != 0

@@ -51,7 +51,7 @@ def test_walk(gaps, obstacle):
 
 
 def test_wearer_and_garment(gaps):
-    scene = Scene(motion=Motion(lead_in=0.4))
+    scene = Scene(motion=Motion(initiation=0.4))
     assert gaps(lambda: garment_of(scene, wearer_of(scene))) == []
 
 
