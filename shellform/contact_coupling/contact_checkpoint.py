@@ -4,10 +4,13 @@
 Segments touched and sunk into, by nodes and by cells that have samples; the window of the books.
 """
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 
-def saved(contact):
+def saved(contact: Any) -> dict[str, Any]:
     """Arrays of a contact for a checkpoint, those of rank 0 complete; all ranks call.
 
     By nodes (n, 2) and by cells (cells, samples a cell, 2) int: segment touched, set sunk into.
@@ -29,7 +32,7 @@ def saved(contact):
     return whole
 
 
-def resume(contact, path, state):
+def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None:
     """Set this rank's part of what `saved` gave, read from the file `path`."""
     shell, window = contact.stepper.shell, contact.window
     partition, nodes = shell.partition, shell.partition.owned_nodes

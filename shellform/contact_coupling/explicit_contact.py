@@ -15,12 +15,15 @@ goes to the support. Nodes held in all three are not met.
 """
 
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import dolfinx
 from dolfinx import fem
 
+from contact.body.segments import Body
 from contact.solver.cell_samples import (
     book_loss,
     collect,
@@ -58,8 +61,15 @@ class ExplicitContact(RunningContact):
     """
 
     def __init__(
-        self, stepper, body, friction, offset, samples, flesh_stiffness, recovery
-    ):  # fmt: skip
+        self,
+        stepper: Any,
+        body: Body,
+        friction: Any,
+        offset: float | None,
+        samples: int | str,
+        flesh_stiffness: float | None,
+        recovery: float,
+    ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
         self._held = np.ascontiguousarray(stepper.shell.supports.held[:n, :3])
@@ -80,44 +90,38 @@ class ExplicitContact(RunningContact):
         size = stepper.shell.surface.mean_cell_size
         self.notes = too_thin(body.names, body.radii, size, offset, k)
 
-    def attach(self, stepper):
-        """See Part; the stepper keeps the velocities of the step before from now on."""
-        super().attach(stepper)
-        stepper.keep_old_velocities()
-        return self
-
     @property
-    def active(self):
+    def active(self) -> int:
         return self.correction.active
 
     @property
-    def sticking(self):
+    def sticking(self) -> int:
         return self.correction.sticking
 
     @property
-    def pinched(self):
+    def pinched(self) -> int:
         return self.correction.pinched
 
     @property
-    def max_depth(self):
+    def max_depth(self) -> float:
         return self.correction.max_depth
 
     @property
-    def pinch_depth(self):
+    def pinch_depth(self) -> float:
         return self.correction.pinch_depth
 
     @property
-    def start_pose(self):
+    def start_pose(self) -> Any:
         """Pose of the body at the start of the last step."""
         return self.correction.start_pose
 
     @property
-    def friction(self):
+    def friction(self) -> tuple[float, float]:
         """(mu_s, mu_k); may be changed between steps."""
         return self.correction.friction
 
     @friction.setter
-    def friction(self, value):
+    def friction(self, value: Any) -> None:
         self.correction.friction = value
 
     def _inside(self, stepper, body, friction, offset, weights):
@@ -147,7 +151,7 @@ class ExplicitContact(RunningContact):
         self._free = np.empty_like(stepper.v)
         self.inner = Correction(body, k, friction, offset, fixed=still, **self._how)
 
-    def __call__(self, stepper, dt):
+    def __call__(self, stepper: Any, dt: float) -> None:
         start = time.perf_counter()
         v, last = stepper.v, self.correction.last
         np.add(stepper.points, stepper.owned[:, :3], out=self._x)
@@ -213,31 +217,31 @@ class ExplicitContact(RunningContact):
         outer.max_depth = max(outer.max_depth, inner.max_depth)
         outer.pinch_depth = max(outer.pinch_depth, inner.pinch_depth)
 
-    def touched(self):
+    def touched(self) -> Any:
         """What the next step needs to know of this one (copies)."""
         inner = None if self.inner is None else self.inner.state()
         return {"nodes": self.correction.state(), "inner": inner}
 
-    def set_touched(self, touched):
+    def set_touched(self, touched: Any) -> None:
         """Continue from `touched()`."""
         self.correction.restore(touched["nodes"])
         if self.inner is not None:
             self.inner.restore(touched["inner"])
 
-    def state(self):
+    def state(self) -> Any:
         """What is touched and what the window holds, for `restore` (copies)."""
         window = self.window
         return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Continue from `state()`."""
         touched, self.window.impulse[:], self.window.table[:], self.window.seconds = state
         self.set_touched(touched)
 
-    def saved(self):
+    def saved(self) -> dict[str, Any]:
         """See Part."""
         return contact_checkpoint.saved(self)
 
-    def resume(self, path, state):
+    def resume(self, path: str | Path, state: dict[str, np.ndarray]) -> None:
         """See RunningContact; ValueError for samples other than those of the file."""
         contact_checkpoint.resume(self, path, state)

@@ -20,12 +20,14 @@ a node is met) carry no momentum, but forces do work on that way; it is booked w
 """
 
 import time
+from typing import Any
 
 from mpi4py import MPI
 
 import numpy as np
 
 from contact.body.pose_check import require_no_jump
+from contact.body.segments import Body
 from contact.solver import active_set, held_nodes
 from contact.solver.contact_ledger import Ledger
 from contact.solver.friction import coefficients
@@ -53,9 +55,15 @@ class ImplicitContact(RunningContact):
     seconds : float, spent outside the solves
     """
 
-    pinched = 0
+    active: int = 0
+    sticking: int = 0
+    pinched: int = 0
+    max_depth: float = 0.0
+    pinch_depth: float = 0.0
 
-    def __init__(self, stepper, body, friction, offset, recovery):
+    def __init__(
+        self, stepper: Any, body: Body, friction: Any, offset: float | None, recovery: float
+    ) -> None:
         n, shell = stepper.n_owned, stepper.shell
         if stepper.instant != 1.0:
             raise ValueError("midpoint steps know no contact; take ImplicitNewmark")
@@ -75,18 +83,17 @@ class ImplicitContact(RunningContact):
         self.last, self.window = Ledger(n, len(body)), Ledger(n, len(body))
         self._start, self._end = body.new_pose(), body.new_pose()
         self.seconds = 0.0
-        self.active = self.sticking = self.rounds = self.unsettled = 0
-        self.max_depth = self.pinch_depth = 0.0
+        self.rounds = self.unsettled = 0
 
     @property
-    def segment(self):
+    def segment(self) -> np.ndarray:
         return np.where(self._set.state > OPEN, self._set.owner[:, 0], -1)
 
     @property
-    def friction(self):
+    def friction(self) -> tuple[float, float]:
         return self._law[:2]
 
-    def solve(self, stepper, dt):
+    def solve(self, stepper: Any, dt: float) -> tuple[int, int] | None:
         """Solve a step for positions with its set; Newton iterations, in all and in the
         hardest solve, or None if it fails.
         """
@@ -130,7 +137,9 @@ class ImplicitContact(RunningContact):
         stepper.equilibrium.hold(self._axes, self._held, self._goal)
         stepper.equilibrium.rubbing = self._set.load
 
-    def push(self, stepper, v_old, mean, moved, dt):
+    def push(
+        self, stepper: Any, v_old: np.ndarray, mean: np.ndarray, moved: np.ndarray, dt: float
+    ) -> np.ndarray:
         """Impulses of a solved step, booked; `stepper.v` is changed.
 
         Parameters

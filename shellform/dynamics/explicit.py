@@ -47,7 +47,7 @@ class Newmark(Stepper):
 
     Attributes
     ----------
-    v, q : velocities at the last half step
+    v, q : velocities at the last half step; v_old : (n_owned, 3), before the last kick
     clock, books : see books.py; balances are given at the present time, see `balance`
     force_model : ForceModel, what pushes nodes from inside
     external : ExternalForce, loads and forces that depend on the motion

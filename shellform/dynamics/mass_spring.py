@@ -18,6 +18,7 @@ from contact.kernel import kernel
 from shellform.fem.shell import Shell
 
 from .explicit import Newmark, check_settings
+from .explicit_kernels import Forces
 from .springs import Springs
 
 
@@ -39,7 +40,16 @@ class Limit(NamedTuple):
 
 
 @kernel
-def limit(x, w, v, dt, springs, mass, forces, kicked):
+def limit(
+    x: np.ndarray,
+    w: np.ndarray,
+    v: np.ndarray,
+    dt: float,
+    springs: Limit,
+    mass: np.ndarray,
+    forces: Forces,
+    kicked: float,
+) -> None:
     """Change velocities v so that springs end the step below their bound.
 
     What held ends pass on is added to the supports' impulse; what nodes get is taken off the

@@ -124,13 +124,31 @@ class RunningContact(Part):
     last: Any
     window: Any
     segment: Any
-    active: int
-    sticking: int
-    pinched: int
-    max_depth: float
-    pinch_depth: float
-    friction: Any
     seconds: float
+
+    @property
+    def active(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def sticking(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def pinched(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def max_depth(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def pinch_depth(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def friction(self) -> tuple[float, float]:
+        raise NotImplementedError
 
     def attach(self, stepper: Any) -> Self:
         """Start to meet the sheet of a stepper; returns self."""
