@@ -92,9 +92,10 @@ def mean_normals(points, cells):
     onward, back = corner_tangents(points, cells)
     count = corner_count(cells)
     # Weighting by the corner angle makes the mean independent of how the faces are cut up.
-    normals[:, :count] *= np.arctan2(lengths[:, :count, 0], np.einsum("mni,mni->mn", onward, back))[
-        :, :, None
-    ]
+    # Without gaps: else the last digit of an arc tangent depends on where in memory they lie.
+    sines = np.ascontiguousarray(lengths[:, :count, 0])
+    angles = np.arctan2(sines, np.einsum("mni,mni->mn", onward, back))
+    normals[:, :count] *= angles[:, :, None]
     return sum_at_points(normals, cells, len(points))
 
 

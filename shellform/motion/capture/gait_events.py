@@ -44,7 +44,8 @@ def facts(times, points):
         return out
     pelvis = points["pelvis"]
     ahead = forward(pelvis)
-    angle = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    x, y = np.ascontiguousarray(ahead[:, :2].T)  # without gaps, see synthetic_walk.py
+    angle = np.unwrap(np.arctan2(y, x))
     out["heading"] = float(np.median(angle))
     heels = {
         s: points[f"{s}_foot"][:, 0] if f"{s}_foot" in points else points[f"{s}_shank"][:, 1]

@@ -204,7 +204,8 @@ def upright(pelvis):
     frames.
     """
     _, axes = pose_from_markers(pelvis[:, 0], pelvis[:, 1], pelvis[:, 2])
-    lean = float(np.median(np.arctan2(axes[:, 1, 2], -axes[:, 0, 2])))
+    high, low = np.ascontiguousarray(axes[:, [1, 0], 2].T)  # without gaps, see synthetic_walk.py
+    lean = float(np.median(np.arctan2(high, -low)))
     turn = Rotation.from_rotvec(-lean * axes[:, 2])
     turned = pelvis.copy()
     for k in (0, 2):

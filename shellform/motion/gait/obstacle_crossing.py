@@ -137,8 +137,9 @@ def cross(way, falls, side, plan, hips):
         swing = Swing((at, x), (at, z), (at_pitch, pitch), ((0.5,), (y,)))
         ankle, pitches = track(falls, [swing], t)
         _, shank = leg_points(hip, ankle, axis, LENGTHS["thigh"], LENGTHS["shank"], side)
-        down = shank[:, 1] - shank[:, 0]
-        hang = np.interp(at_pitch, s, np.arctan2(down[:, 0], -down[:, 2]))
+        # without gaps, see synthetic_walk.py
+        forward, _, up = np.ascontiguousarray((shank[:, 1] - shank[:, 0]).T)
+        hang = np.interp(at_pitch, s, np.arctan2(forward, -up))
         points = ankle[:, None, [0, 2]] + turned(sole(), pitches)
         over = (points[..., 0] > plan.front) & (points[..., 0] < plan.front + plan.depth)
         z = z + RELAXED * (CLEARANCE + plan.height - points[..., 1][over].min())

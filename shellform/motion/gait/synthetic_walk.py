@@ -193,7 +193,8 @@ def _pelvis(plan):
 
 def _hips(pelvis, plan, t):
     """Mid hip (n, 3) [m] and the pelvis's axes left, ahead, up, (n, 3) each, at times t."""
-    x, y, z, turn, hike = pelvis(np.maximum(t, plan.start)).T
+    # without gaps, or the last digit of a sine depends on where in memory an angle lies
+    x, y, z, turn, hike = np.ascontiguousarray(pelvis(np.maximum(t, plan.start)).T)
     left = np.stack([-np.sin(turn) * np.cos(hike), np.cos(turn) * np.cos(hike), -np.sin(hike)], 1)
     ahead = np.stack([np.cos(turn), np.sin(turn), 0 * turn], 1)
     return np.stack([x, y, z], axis=1), left, ahead, np.cross(ahead, left)
