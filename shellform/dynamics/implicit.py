@@ -75,6 +75,17 @@ class ImplicitNewmark(Stepper):
     Raises
     ------
     ValueError for a step, alpha, beta or gamma out of range, or a prescribed motion without time
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.ImplicitNewmark(shell, 5e-3)
+    >>> stepper.advance(0.1)
+    >>> f"{shell.displacements()[:, 2].mean():.3f} m"
+    '-0.049 m'
     """
 
     implicit = True

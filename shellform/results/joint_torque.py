@@ -87,6 +87,20 @@ class Torque(Part):
     ------
     ValueError, when it is added, for a stepper whose contact is none with a Wearer, for an unknown
     joint, ellipsoid or kind of parts
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> from shellform.motion.anthropometry import ellipsoids
+    >>> walk = sf.synthetic_walk(strides=1, obstacle=0.0)
+    >>> wearer = sf.Wearer(walk, ellipsoids(walk.lengths()))
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> stepper = sf.Newmark(sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric))
+    >>> contact = stepper.add(sf.Contact(wearer))
+    >>> torque = stepper.add(sf.Torque("torque.csv"))
+    >>> stepper.advance(0.01)
+    >>> [row["joint"] for row in torque.record(stepper.time)][:3]
+    ['right_hip', 'right_knee', 'right_ankle']
     """
 
     books_contact = True

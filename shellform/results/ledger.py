@@ -42,6 +42,19 @@ class Ledger(Part):
     Attributes
     ----------
     rows : list of dict
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Newmark(shell)
+    >>> ledger = stepper.add(sf.Ledger("ledger.csv"))
+    >>> stepper.advance(0.1)
+    >>> row = ledger.record()
+    >>> f"{row['momentum_z']:.2f} N s", row["momentum_residual"] < 1e-12
+    ('-0.03 N s', True)
     """
 
     books_contact = True
