@@ -14,9 +14,10 @@ carried on where contact persists, so a node at rest is predicted to rest.
 
 Velocities follow by impulses: v_free, advanced over the step by all forces but contact, becomes
 admissible against the velocity of the surface at the end of the step, normals first, then friction
-(friction.py). These impulses are booked: momentum closes to roundoff, a node at rest gets its
-weight times dt. Positions that were not moved by velocities (the way out, the part of a step before
-a node is met) carry no momentum, but forces do work on that way; it is booked with the impact loss.
+(contact/solver/friction.py). These impulses are booked: momentum closes to roundoff, a node at rest
+gets its weight times dt. Positions that were not moved by velocities (the way out, the part of a
+step before a node is met) carry no momentum, but forces do work on that way; it is booked with the
+impact loss.
 """
 
 import time

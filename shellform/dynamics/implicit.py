@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Implicit Newmark steps, beta > 0, by SNES: Sec. 3.1.3 of the paper, Eq. 13.
 
-With the constant lumped mass m and rotary inertia I of inertia.py, nodes move in space,
+With the constant lumped mass m and rotary inertia I of fem/lumped_mass.py, nodes move in space,
 
     u(n+1) = u + dt v + dt^2 ((1/2 - beta) a + beta a(n+1)),
     v(n+1) = v + dt ((1 - gamma) a + gamma a(n+1)),

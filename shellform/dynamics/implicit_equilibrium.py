@@ -6,7 +6,7 @@ its tangent plane, takes the place of a displacement. Parallel transport along t
 vectors from one tangent plane to another.
 
 Contact holds nodes in planes that change from solve to solve. So every node has axes of its own for
-its displacement (Q of equilibrium.py), the world's until contact turns them.
+its displacement (Q of statics/equilibrium.py), the world's until contact turns them.
 """
 
 from typing import Any

@@ -32,7 +32,7 @@ class ImplicitMidpoint(ImplicitNewmark):
     Parameters
     ----------
     shell, dt, tolerance, prefix, drag : see ImplicitNewmark
-    rotary_scale : float, see inertia.py; that of explicit steps by default, see above
+    rotary_scale : float, see fem/lumped_mass.py; that of explicit steps by default, see above
 
     Attributes and errors as there; `a` is that of the middle of the last step.
     """

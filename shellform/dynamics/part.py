@@ -112,7 +112,7 @@ class RunningContact(Part):
     body : contact.body.segments.Body
     last, window : contact.solver.contact_ledger.Ledger, of the last step and of all since `reset`
     segment : (n_owned,) int, segment that each node touches, -1 without contact
-    active, sticking, pinched : int, nodes in contact in the last step, of these in stick, of these
+    active, sticking, pinched : int, nodes in contact in the last step, of these in stick, and
         pressed by two parts of the body
     max_depth, pinch_depth : float [m], deepest start of the last step, of nodes not pinched and
         pinched

@@ -280,10 +280,10 @@ def _along_cells(surface, corners, fabric):
 
 def _lines(edges, number, count, nodes):
     """Ends (f, 2) two apart along grid lines, and the two edges (f, 2) between."""
-    beside = [set() for _ in edges]
+    cells_at = [set() for _ in edges]
     for cell, own in enumerate(number.tolist()):
         for e in own:
-            beside[e].add(cell)
+            cells_at[e].add(cell)
     at = [[] for _ in range(nodes)]
     for e, (a, b) in enumerate(edges.tolist()):
         at[a].append((e, b))
@@ -295,7 +295,7 @@ def _lines(edges, number, count, nodes):
             continue  # a corner, or an irregular node: no line passes
         for p, (e, a) in enumerate(meeting):
             for f, b in meeting[p + 1 :]:
-                if not beside[e] & beside[f]:
+                if not cells_at[e] & cells_at[f]:
                     ends.append((a, b))
                     lines.append((e, f))
     return np.array(ends, np.int64).reshape(-1, 2), np.array(lines, np.int64).reshape(-1, 2)

@@ -81,8 +81,8 @@ def largest_eigenvalue(stepper: Any, iterations: int) -> float:
         previous, y = y, z / beta
     owned[:] = base
     stepper.scatter()
-    beside = np.array(betas[: len(alphas) - 1])
-    tridiagonal = np.diag(alphas) + np.diag(beside, 1) + np.diag(beside, -1)
+    off_diagonal = np.array(betas[: len(alphas) - 1])
+    tridiagonal = np.diag(alphas) + np.diag(off_diagonal, 1) + np.diag(off_diagonal, -1)
     if not np.isfinite(tridiagonal).all():
         return np.nan
     return float(np.linalg.eigvalsh(tridiagonal)[-1])

@@ -78,7 +78,7 @@ class Rewind:
         self.cut = min(1.0, self.recovery * self.cut)
 
     def keep(self) -> None:
-        """Keep the present state beside the one before."""
+        """Keep the present state and the one before."""
         if len(self._states) > 1:
             self._spare.append(self._states.pop(0))
         self._keep()

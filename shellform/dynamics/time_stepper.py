@@ -29,7 +29,7 @@ class Stepper:
     Parameters
     ----------
     shell : Shell, with supports and loads complete; starts from its present state, at rest
-    rotary_scale : float, see inertia.py
+    rotary_scale : float, see fem/lumped_mass.py
     prefix : str, of the TS options
 
     Attributes

@@ -121,11 +121,11 @@ class Ledger(Part):
             contact.reset()
         row |= {"body_work": moved, "friction_loss": friction, "impact_loss": impact}
         self._contact_work += moved - friction - impact
-        left = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
+        residual = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
         for k in range(3):
             row[f"momentum_{AXES[k]}"] = momentum[k]
             row[f"support_impulse_{AXES[k]}"] = impulses[1, k]
-        row["momentum_residual"] = float(np.linalg.norm(left))
+        row["momentum_residual"] = float(np.linalg.norm(residual))
         gain = change["kinetic"] + change["strain"] - self._contact_work
         given = change["external"] + change["support"] - change["drag"] - change["damping"]
         row["energy_residual"] = gain - given

@@ -3,8 +3,8 @@
 
 In each step the impulse J on a node in contact is split at its closest point, with the normal n of
 the node's segment, into J . n, which presses, and the rest, which rubs. Both are shared out among
-the four nearest patches (geometry/surface_patches.py): forces add up exactly, a peak is spread over
-about one patch. Patches smaller than a cell of the cloth show its nodes.
+the four nearest patches (contact/geometry/surface_patches.py): forces add up exactly, a peak is
+spread over about one patch. Patches smaller than a cell of the cloth show its nodes.
 
 A node in a crease between two ellipsoids presses on the one that `Correction.segment` names, with
 the part of J along that one's normal; what is left of the push by the other is counted as rubbing.
