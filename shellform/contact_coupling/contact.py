@@ -19,12 +19,12 @@ class Contact:
     Parameters
     ----------
     body : Body, a Wearer among them
-    friction : float or (mu_s, mu_k)
+    friction : float, (mu_s, mu_k) or a law, see contact/solver/friction.py
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell (explicit
         steps)
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
-        each other (explicit steps, contact/solver/soft_crease.py); None: hard
+        each other (explicit steps, contact/solver/soft_contact.py); None: hard
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
 
     Examples

@@ -65,7 +65,7 @@ class Contact:
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
-    each other, as calf and thigh [Pa/m], 0 for hard parts; see contact/solver/soft_crease.py.
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see contact/solver/soft_contact.py.
     """
 
     friction: float = 0.3

@@ -61,7 +61,7 @@ def along_cloth(surface, edge):
 
 
 def reach_of(surface, wearer):
-    """Ellipsoids that every node can touch, (n,) int for `Correction(allowed=...)`.
+    """Ellipsoids that every node can touch, (n,) int for `VelocityCorrection(allowed=...)`.
 
     A trouser leg does not meet the other leg of the wearer: between them is the other trouser leg,
     and cloth does not meet cloth here.
