@@ -85,7 +85,7 @@ class ExplicitContact(RunningContact):
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None
-        k = 0 if samples == "nodes" else samples
+        k: Any = 0 if samples == "nodes" else samples
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
         size = stepper.shell.surface.mean_cell_size
