@@ -22,9 +22,9 @@ from shellform.fem.director import rotation_matrix
 from shellform.fem.lumped_mass import nodal_areas
 from shellform.pictures.skin_pressure import pressure_figure
 from shellform.results.skin_pressure import Pressure, load, save, summary
+from tests.contact.geometry.test_surface_patches import outward
 from tests.contact_coupling.test_explicit_contact import G, over_sphere
 from tests.results.test_joint_torque import curtain
-from tests.results.test_surface_patches import outward
 
 STEPS = 150
 
