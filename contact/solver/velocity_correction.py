@@ -320,17 +320,17 @@ class VelocityCorrection:
         It leaves out planes that do not push, which changes last digits at most: who goes on bit
         for bit needs it. Sets of segments stand as the floats of the same bits.
         """
-        nodes, time = self._nodes, np.nan if self._end_time is None else self._end_time
-        far = np.ascontiguousarray(nodes["far"]).view(float)
-        records = np.column_stack([nodes["place"], far, nodes["clearance"], nodes["path"]])
-        return records, np.array([self._work["path"], time])
+        nodes = self._nodes
+        time = np.nan if self._end_time is None else self._end_time
+        far = nodes["far"].copy().view(float)
+        table = np.column_stack([nodes["place"], far, nodes["clearance"], nodes["path"]])
+        return table, np.array([self._work["path"], time])
 
-    def take_looks(self, records: np.ndarray, body: np.ndarray) -> None:
+    def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
         """Continue from `looks()`."""
         nodes = self._nodes
-        nodes["place"], nodes["clearance"] = records[:, :3], records[:, 4]
-        nodes["far"] = np.ascontiguousarray(records[:, 3]).view(np.int64)
-        nodes["path"] = records[:, 5]
+        nodes["place"], nodes["clearance"], nodes["path"] = table[:, :3], table[:, 4], table[:, 5]
+        nodes["far"] = np.ascontiguousarray(table[:, 3]).view(np.int64)
         self._work["path"], time = body.tolist()
         if not np.isnan(time):
             self._end_time = time

@@ -14,21 +14,24 @@ carried on where contact persists, so a node at rest is predicted to rest.
 
 Velocities follow by impulses: v_free, advanced over the step by all forces but contact, becomes
 admissible against the velocity of the surface at the end of the step, normals first, then friction
-(friction.py). These impulses are booked: momentum closes to roundoff, a node at rest gets its
-weight times dt. Positions that were not moved by velocities (the way out, the part of a step before
-a node is met) carry no momentum, but forces do work on that way; it is booked with the impact loss.
+(contact/solver/friction.py). These impulses are booked: momentum closes to roundoff, a node at rest
+gets its weight times dt. Positions that were not moved by velocities (the way out, the part of a
+step before a node is met) carry no momentum, but forces do work on that way; it is booked with the
+impact loss.
 """
 
 import time
+from typing import Any
 
 from mpi4py import MPI
 
 import numpy as np
 
 from contact.body.pose_check import require_no_jump
+from contact.body.segments import Body
 from contact.solver import active_set, held_nodes
 from contact.solver.contact_ledger import Ledger
-from contact.solver.friction import as_friction
+from contact.solver.friction import Friction, as_friction
 from contact.solver.held_nodes import FIXED, OPEN, SolvedStep
 from contact.solver.segment_motion import segment_records, set_motion
 from contact.solver.step_record import step_record
@@ -55,9 +58,15 @@ class ImplicitContact(RunningContact):
     seconds : float, spent outside the solves
     """
 
-    pinched = 0
+    active: int = 0
+    sticking: int = 0
+    pinched: int = 0
+    max_depth: float = 0.0
+    pinch_depth: float = 0.0
 
-    def __init__(self, stepper, body, friction, offset, recovery):
+    def __init__(
+        self, stepper: Any, body: Body, friction: Any, offset: float | None, recovery: float
+    ) -> None:
         n, shell = stepper.n_owned, stepper.shell
         if stepper.instant != 1.0:
             raise ValueError("midpoint steps know no contact; take ImplicitNewmark")
@@ -68,10 +77,10 @@ class ImplicitContact(RunningContact):
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
         self.body, self._segments = body, segment_records(body)
         self._extents = np.array([shape.half_extents for shape in body.shapes])
-        self.friction, self._recovery = as_friction(friction), float(recovery)
-        self._step = step_record(self.friction, offset)
-        self._judge = active_set.judge_kernel(self.friction.kinetic_coefficient)
-        self._push = held_nodes.push_kernel(self.friction.kinetic_coefficient)
+        self._friction, self._recovery = as_friction(friction), float(recovery)
+        self._step = step_record(self._friction, offset)
+        self._judge = active_set.judge_kernel(self._friction.kinetic_coefficient)
+        self._push = held_nodes.push_kernel(self._friction.kinetic_coefficient)
         self._set = held_nodes.new(n)
         self._set.state[shell.supports.held[:n, :3].any(axis=1)] = FIXED
         self._kept = held_nodes.copy(self._set)
@@ -81,14 +90,18 @@ class ImplicitContact(RunningContact):
         self.last, self.window = Ledger(n, len(body)), Ledger(n, len(body))
         self._start, self._end = body.new_pose(), body.new_pose()
         self.seconds = 0.0
-        self.active = self.sticking = self.rounds = self.unsettled = 0
-        self.max_depth = self.pinch_depth = 0.0
+        self.rounds = self.unsettled = 0
 
     @property
-    def segment(self):
+    def segment(self) -> np.ndarray:
         return np.where(self._set.state > OPEN, self._set.owner[:, 0], -1)
 
-    def solve(self, stepper, dt):
+    @property
+    def friction(self) -> Friction:
+        """Its law."""
+        return self._friction
+
+    def solve(self, stepper: Any, dt: float) -> tuple[int, int] | None:
         """Solve a step for positions with its set; Newton iterations, in all and in the
         hardest solve, or None if it fails.
         """
@@ -139,7 +152,9 @@ class ImplicitContact(RunningContact):
         stepper.equilibrium.hold(self._axes, self._held, self._goal)
         stepper.equilibrium.rubbing = self._set.load
 
-    def push(self, stepper, v_old, mean, moved, dt):
+    def push(
+        self, stepper: Any, v_old: np.ndarray, mean: np.ndarray, moved: np.ndarray, dt: float
+    ) -> np.ndarray:
         """Impulses of a solved step, booked; `stepper.v` is changed.
 
         Parameters
