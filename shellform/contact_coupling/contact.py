@@ -19,7 +19,7 @@ class Contact:
     Parameters
     ----------
     body : Body, a Wearer among them
-    friction : float or (mu_s, mu_k)
+    friction : float, (mu_s, mu_k) or a law as contact.solver.friction.Friction
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell (explicit
         steps)

@@ -12,7 +12,7 @@ def saved(contact):
     """Arrays of a contact for a checkpoint, those of rank 0 complete; all ranks call.
 
     By nodes (n, 2) and by cells (cells, samples a cell, 2) int: segment touched, set sunk into.
-    Looks (n, 6) and (cells, samples a cell, 6) float, see `Correction.looks`.
+    Looks (n, 6) and (cells, samples a cell, 6) float, see `VelocityCorrection.looks`.
     """
     shell, window = contact.stepper.shell, contact.window
     partition, comm = shell.partition, shell.comm
@@ -62,11 +62,11 @@ def resume(contact, path, state):
 
 def _of(correction):
     """Segments touched and sunk into (n, 2)."""
-    return np.stack([correction.segment, correction.sunk], axis=1)
+    return np.stack([correction.segment, correction.penetrated], axis=1)
 
 
 def _set(correction, both):
-    correction.segment[:], correction.sunk[:] = both.T
+    correction.segment[:], correction.penetrated[:] = both.T
 
 
 def _by_cell(contact):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact of a shell in explicit steps: its turn between the kick and the drift, Eqs. 15 and 16.
 
-Gives the arrays of a stepper's owned nodes to `contact.Correction` and books what it did. Cloth is
+Gives the arrays of a stepper's owned nodes to `VelocityCorrection` and books what it did. Cloth is
 met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
@@ -22,7 +22,6 @@ import dolfinx
 from dolfinx import fem
 
 from contact.solver.cell_samples import (
-    book_loss,
     collect,
     midpoints,
     particle_masses,
@@ -30,7 +29,8 @@ from contact.solver.cell_samples import (
     spread,
     too_thin,
 )
-from contact.solver.velocity_correction import Correction
+from contact.solver.contact_ledger import book_loss
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform.dynamics.part import RunningContact
 from shellform.fem.partition import DOLFINX_ORDER
 
@@ -48,8 +48,8 @@ class ExplicitContact(RunningContact):
     Attributes
     ----------
     body, last, window, ... : see RunningContact
-    correction : contact.Correction, with its counters and ledgers, those of samples included
-    inner : Correction of the samples, or None; cells : (k, 4), the nodes of their cells
+    correction : VelocityCorrection, with its counters and ledgers, those of samples included
+    inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     notes : list of str, ellipsoids that can pass between the points that are met
 
     Raises
@@ -69,7 +69,7 @@ class ExplicitContact(RunningContact):
         self._how = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
-        self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._how)
+        self.correction = VelocityCorrection(body, n, friction, offset, fixed=fixed, **self._how)
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
@@ -78,7 +78,7 @@ class ExplicitContact(RunningContact):
             self._inside(stepper, body, friction, offset, midpoints(samples))
         k = 0 if isinstance(samples, str) else samples
         size = stepper.shell.surface.mean_cell_size
-        self.notes = too_thin(body.names, body.radii, size, offset, k)
+        self.notes = too_thin(body, size, offset, k)
 
     def attach(self, stepper):
         """See Part; the stepper keeps the velocities of the step before from now on."""
@@ -113,7 +113,7 @@ class ExplicitContact(RunningContact):
 
     @property
     def friction(self):
-        """(mu_s, mu_k); may be changed between steps."""
+        """Law of friction; may be changed between steps, to a number or a pair as well."""
         return self.correction.friction
 
     @friction.setter
@@ -145,7 +145,7 @@ class ExplicitContact(RunningContact):
         self._mass[still] = 1.0
         self._points, self._after = np.empty((k, 9)), np.empty((k, 9))
         self._free = np.empty_like(stepper.v)
-        self.inner = Correction(body, k, friction, offset, fixed=still, **self._how)
+        self.inner = VelocityCorrection(body, k, friction, offset, fixed=still, **self._how)
 
     def __call__(self, stepper, dt):
         start = time.perf_counter()
@@ -209,9 +209,7 @@ class ExplicitContact(RunningContact):
         for ledger in (outer.last, outer.window):
             ledger.table += inner.last.table
             ledger.impulse += impulse
-        outer._counts += inner._counts
-        outer.max_depth = max(outer.max_depth, inner.max_depth)
-        outer.pinch_depth = max(outer.pinch_depth, inner.pinch_depth)
+        outer.add_counts(inner)
 
     def touched(self):
         """What the next step needs to know of this one (copies)."""

@@ -28,8 +28,10 @@ import numpy as np
 from contact.body.pose_check import require_no_jump
 from contact.solver import active_set, held_nodes
 from contact.solver.contact_ledger import Ledger
-from contact.solver.friction import coefficients
-from contact.solver.held_nodes import FIXED, OPEN
+from contact.solver.friction import as_friction
+from contact.solver.held_nodes import FIXED, OPEN, SolvedStep
+from contact.solver.segment_motion import segment_records, set_motion
+from contact.solver.step_record import step_record
 from shellform.dynamics.part import RunningContact
 
 ROUNDS = 30  # solves of a step before it counts as failed
@@ -64,8 +66,12 @@ class ImplicitContact(RunningContact):
         offset = 0.5 * shell.fabric.thickness if offset is None else float(offset)
         if not 0 <= offset < np.inf:
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
-        self.body, self._radii = body, np.ascontiguousarray(body.radii, float)
-        self._law = (*coefficients(friction), offset, float(recovery))
+        self.body, self._segments = body, segment_records(body)
+        self._extents = np.array([shape.half_extents for shape in body.shapes])
+        self.friction, self._recovery = as_friction(friction), float(recovery)
+        self._step = step_record(self.friction, offset)
+        self._judge = active_set.judge_kernel(self.friction.kinetic_coefficient)
+        self._push = held_nodes.push_kernel(self.friction.kinetic_coefficient)
         self._set = held_nodes.new(n)
         self._set.state[shell.supports.held[:n, :3].any(axis=1)] = FIXED
         self._kept = held_nodes.copy(self._set)
@@ -82,10 +88,6 @@ class ImplicitContact(RunningContact):
     def segment(self):
         return np.where(self._set.state > OPEN, self._set.owner[:, 0], -1)
 
-    @property
-    def friction(self):
-        return self._law[:2]
-
     def solve(self, stepper, dt):
         """Solve a step for positions with its set; Newton iterations, in all and in the
         hardest solve, or None if it fails.
@@ -94,11 +96,12 @@ class ImplicitContact(RunningContact):
         most, clock = 0, time.perf_counter()
         self.body.pose(stepper.time, self._start)
         self.body.pose(stepper.time + dt, self._end)
-        require_no_jump(self.body.names, self._radii, self._start, self._end, stepper.time, dt)
+        require_no_jump(self.body.names, self._extents, self._start, self._end, stepper.time, dt)
         x0 = stepper.points + stepper.owned[:, :3]
         held_nodes.take(self._kept, self._set)
-        poses = (*self._start[:2], *self._end[:2], self._radii)
-        self.max_depth = active_set.begin(x0, *poses, self._law, dt, self._set)
+        self._step["dt"], self._step["recovery"] = dt, self._recovery * dt
+        set_motion(*self._start[:2], *self._end[:2], self._step["offset"][0], self._segments)
+        self.max_depth = active_set.begin(x0, self._segments, self._step[0], self._set)
         for k in range(ROUNDS):
             self._constrain(stepper)
             self.seconds += time.perf_counter() - clock
@@ -110,8 +113,14 @@ class ImplicitContact(RunningContact):
                 return None
             total, most = total + done.iterations, max(most, done.iterations)
             x1 = stepper.points + stepper.owned[:, :3]
-            changed, gap, soft = active_set.judge(
-                x0, x1, eq.contact_force(), eq.factor[:, 0], *poses, self._law, self._set
+            changed, gap, soft = self._judge(
+                x0,
+                x1,
+                eq.contact_force(),
+                eq.factor[:, 0],
+                self._segments,
+                self._step[0],
+                self._set,
             )
             changed = comm.allreduce(changed)
             gap, soft = comm.allreduce(gap, MPI.MAX), comm.allreduce(soft, MPI.MAX)
@@ -146,15 +155,14 @@ class ImplicitContact(RunningContact):
         last, window = self.last, self.window
         last.clear()
         pushed = np.zeros_like(v_old)
-        self.active, self.sticking = held_nodes.push(
-            stepper.points + stepper.owned[:, :3], stepper.v, v_old, mean, moved, stepper.a,
-            stepper.mass, dt, *self._end[::2], self._end.spins, self._law, self._kept.state,
-            self._set, last.impulse, last.table, pushed,
+        x = stepper.points + stepper.owned[:, :3]
+        self.active, self.sticking = self._push(
+            SolvedStep(x, stepper.v, v_old, mean, moved, stepper.a, stepper.mass),
+            self._end.velocities, self._end.spins, self._segments, self._step[0],
+            self._kept.state, self._set, last.impulse, last.table, pushed,
         )  # fmt: skip
         held_nodes.take(self._set, self._kept)
         last.seconds = dt
-        window.seconds += dt
-        window.impulse += last.impulse
-        window.table += last.table
+        window.add(last)
         self.seconds += time.perf_counter() - clock
         return pushed

@@ -116,7 +116,7 @@ class RunningContact(Part):
         pressed by two parts of the body
     max_depth, pinch_depth : float [m], deepest start of the last step, of nodes not pinched and
         pinched
-    friction : (mu_s, mu_k)
+    friction : contact.solver.friction.Friction, or another law
     seconds : float, time the contact has cost
     """
 

@@ -123,8 +123,9 @@ class Stepper:
         if self.contact is None:
             return {}
         plan: dict[str, Any] = {"contact": list(self.contact.body.names)}
-        if self.contact.friction[0] > 0:
-            plan["friction"] = list(self.contact.friction)
+        friction = self.contact.friction
+        if friction.static > 0:
+            plan["friction"] = [friction.static, friction.kinetic]
         return plan
 
     def add(self, part: Attachable | Callable[[Any, float], object]) -> Any:

@@ -18,7 +18,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from contact.body.segment_frame import pose_from_markers
-from contact.body.segments import Body, Pose, semi_axes
+from contact.body.segments import Body, Pose
+from contact.geometry.ellipsoid import ellipsoid
 from contact.kernel import kernel
 
 from .recording import JOINTS, Recording
@@ -47,7 +48,7 @@ class Joints(NamedTuple):
 
 
 class Wearer(Body):
-    """A body in recorded motion.
+    """A body in recorded motion: splines through the recording take the place of `Segment`s.
 
     Parameters
     ----------
@@ -79,8 +80,6 @@ class Wearer(Body):
     '1.1 m/s'
     """
 
-    radii = np.zeros((0, 3))  # of each wearer its own, not by way of Segments as in Body
-
     def __init__(
         self,
         recording: Recording,
@@ -90,7 +89,8 @@ class Wearer(Body):
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
         self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
-        self.radii = np.array([semi_axes(name, radii) for name, *_, radii in ellipsoids])
+        self.shapes = tuple(ellipsoid(name, radii) for name, *_, radii in ellipsoids)
+        self._radii = np.array([shape.radii for shape in self.shapes])
         segments = tuple(recording.points)
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
@@ -120,8 +120,13 @@ class Wearer(Body):
         self._values, self._rates = np.zeros(values.shape[1]), np.zeros(values.shape[1])
         self._segments = _blank(len(segments))
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.names)
+
+    @property
+    def radii(self) -> np.ndarray:
+        """Semi-axes (m, 3) [m] of the ellipsoids."""
+        return self._radii
 
     def new_pose(self, t: float = 0.0) -> Pose:
         """Arrays for `pose`, filled at time t [s]."""

@@ -6,9 +6,9 @@ the node's segment, into J . n, which presses, and the rest, which rubs. Both ar
 the four nearest patches (geometry/surface_patches.py): forces add up exactly, a peak is spread over
 about one patch. Patches smaller than a cell of the cloth show its nodes.
 
-A node in a crease between two ellipsoids presses on the one that `Correction.segment` names, with
-the part of J along that one's normal; what is left of the push by the other is counted as rubbing.
-A patch that another ellipsoid covers in part has its force divided by its whole area.
+A node in a crease between two ellipsoids presses on the one that `VelocityCorrection.segment`
+names, with the part of J along that one's normal; what is left of the push by the other is counted
+as rubbing. A patch that another ellipsoid covers in part has its force divided by its whole area.
 
 Impulses add up over a window between two records. Ranks are added together at a record only.
 """

@@ -9,8 +9,8 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 import meshes
-from contact.solver.node_contact import WORK
-from contact.solver.velocity_correction import Correction
+from contact.solver.contact_ledger import WORK
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
@@ -181,7 +181,7 @@ def test_power_of_joints_and_pelvis_is_that_of_contact():
         )
         v = pose.velocities[:, None] + rng.standard_normal(x.shape)
         x, v = x.reshape(-1, 3), v.reshape(-1, 3)
-        correction = Correction(wearer, len(x), friction=0.3)
+        correction = VelocityCorrection(wearer, len(x), friction=0.3)
         correction(x, v, np.full(len(x), 1e-3), dt, t)
         table, total = correction.last.table, np.zeros((6, 5))
         counts = np.array([[n in wearer.below(j) for n in wearer.names] for j in wearer.joints])
@@ -321,7 +321,7 @@ def test_follower_on_a_cam():
 
         return minimize(of, (0.0, 0.0), tol=1e-12).fun
 
-    correction = Correction(wearer, 1, friction=0.0)
+    correction = VelocityCorrection(wearer, 1, friction=0.0)
     x, v, mass = (knee + home)[None] + [0.06, 0, 0], np.zeros((1, 3)), np.array([1e-3])
     joints, counts, windows, dt, span = wearer.new_joints(), np.array([[True]]), [], 1e-3, 100
     for n in range(-500, round(period / dt)):
