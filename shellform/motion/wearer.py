@@ -89,8 +89,8 @@ class Wearer(Body):
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
         self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
-        self.shapes = tuple(ellipsoid(name, radii) for name, *_, radii in ellipsoids)
-        self._radii = np.array([shape.radii for shape in self.shapes])
+        shapes = [ellipsoid(name, radii) for name, *_, radii in ellipsoids]
+        self.shapes, self._radii = tuple(shapes), np.array([shape.radii for shape in shapes])
         segments = tuple(recording.points)
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
