@@ -48,7 +48,7 @@ class Joints(NamedTuple):
 
 
 class Wearer(Body):
-    """A body in recorded motion.
+    """A body in recorded motion: splines through the recording take the place of `Segment`s.
 
     Parameters
     ----------
@@ -80,8 +80,6 @@ class Wearer(Body):
     '1.1 m/s'
     """
 
-    radii = np.zeros((0, 3))  # of each wearer its own, not by way of Segments as in Body
-
     def __init__(
         self,
         recording: Recording,
@@ -92,7 +90,7 @@ class Wearer(Body):
         self.names = tuple(name for name, *_ in ellipsoids)
         self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
         shapes = [ellipsoid(name, radii) for name, *_, radii in ellipsoids]
-        self.shapes, self.radii = tuple(shapes), np.array([shape.radii for shape in shapes])
+        self.shapes, self._radii = tuple(shapes), np.array([shape.radii for shape in shapes])
         segments = tuple(recording.points)
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
@@ -122,8 +120,13 @@ class Wearer(Body):
         self._values, self._rates = np.zeros(values.shape[1]), np.zeros(values.shape[1])
         self._segments = _blank(len(segments))
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.names)
+
+    @property
+    def radii(self) -> np.ndarray:
+        """Semi-axes (m, 3) [m] of the ellipsoids."""
+        return self._radii
 
     def new_pose(self, t: float = 0.0) -> Pose:
         """Arrays for `pose`, filled at time t [s]."""
