@@ -29,9 +29,9 @@ import numpy as np
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
 from shellform.accuracy import measured
-from shellform.accuracy.error_law import richardson
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import richardson
 from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
@@ -144,7 +144,7 @@ def main(given=None):
     arc, goal = angle * options.radius, exact(mu, angle)
     choice, cells = None, options.cells
     if cells is None:
-        choice = accuracy.choose(
+        choice = choose(
             "capstan", options.accuracy, options.radius, sensitivity=sensitivity(mu, angle)
         )
         count = max(4, int(np.ceil(arc / choice.size)))
@@ -170,22 +170,22 @@ def main(given=None):
     report.describe(stepper.shell, inertia="lumped", contact=["cylinder"])
 
     # ## Results
-    told = {}
+    entries = {}
     if choice:
         # the exact value is not looked at: how the fine ones swing, and what halving leaves
         swing, apart = np.std(last) / last.mean(), richardson(*(row[1] for row in rows), 2.0, 2.0)
         error = float(np.hypot(swing, apart / last.mean()))
         how = f"swing of {cells[1]} cells and difference of their mean from that of {cells[0]}"
-        told["accuracy"] = choice.summary(error, how)
+        entries["accuracy"] = choice.summary(error, how)
     if COMM.rank == 0:
         print(f"exact T2/T1 {goal:.5f}\n cells     T2/T1   of mean       rms  seconds")
         for n, mean, error, rms, took in rows:
             print(f"{n:6d}  {mean:8.5f}  {error:8.1e}  {rms:8.1e}  {took:7.1f}")
     if choice:
-        console.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy_line(entries["accuracy"])])
     keys = ("cells", "ratio", "error_of_mean", "error", "seconds")
     results = {"exact": goal, "runs": [dict(zip(keys, row, strict=True)) for row in rows]}
-    report.write(results, steps=steps, newton_iterations=0, **told)
+    report.write(results, steps=steps, newton_iterations=0, **entries)
     console.say([f"wrote {report.folder}/summary.json"])
 
 

@@ -28,8 +28,8 @@ import numpy as np
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
-from shellform.accuracy.error_law import richardson
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import richardson
 from shellform.accuracy.measured import seconds
 from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics import checkpoint
@@ -139,9 +139,7 @@ def cells_for(options):
     """The choice of cells for the accuracy asked for; sets options.cells."""
     held = (options.bending_stiffness / (options.areal_mass * G)) ** (1 / 3)
     family = ["particles" if options.model == "particles" else "quads"]
-    choice = accuracy.choose(
-        "drape", options.accuracy, min([held, *options.radii]), families=family
-    )
+    choice = choose("drape", options.accuracy, min([held, *options.radii]), families=family)
     options.cells = max(4, int(np.ceil(options.size / choice.size)))
     return choice.at(options.size / options.cells)
 
@@ -164,7 +162,7 @@ def reached(options, choice, body, height):
     by = options.cells / half.cells
     left = richardson(height, mean_height(stepper), by, choice.order) / abs(height)
     how = f"run with {half.cells} cells a side; what another start changes added"
-    return choice.summary(float(np.hypot(left, choice.law.spread)), how)
+    return choice.summary(float(np.hypot(left, choice.power_law.spread)), how)
 
 
 def perturb(options, stepper):
@@ -266,12 +264,14 @@ def main(given=None):
         }
         assembly = stepper.equilibrium.assembly_seconds
         report.shift(assembly, "solve", "assemble")
-    told = {}
+    entries = {}
     if choice:
         with report.stage("solve"):
-            told["accuracy"] = reached(options, choice, body, results["mean_height"])
-        console.say([accuracy.told(told["accuracy"])])
-    report.write(results, steps=steps, newton_iterations=iterations, time_step=stepper.dt, **told)
+            entries["accuracy"] = reached(options, choice, body, results["mean_height"])
+        console.say([accuracy_line(entries["accuracy"])])
+    report.write(
+        results, steps=steps, newton_iterations=iterations, time_step=stepper.dt, **entries
+    )
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
 

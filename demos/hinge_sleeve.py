@@ -25,9 +25,9 @@ import numpy as np
 
 import meshes
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
 from shellform.accuracy import measured
-from shellform.accuracy.error_law import companion, left
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import companion_cells, companion_error
 from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.lumped_mass import ROTARY_SCALE
@@ -175,7 +175,7 @@ def apart(one, other):
 
 def cells_for(options):
     """The choice of cells for the accuracy asked for; sets options.around."""
-    choice = accuracy.choose("sleeve", options.accuracy, options.radius)
+    choice = choose("sleeve", options.accuracy, options.radius)
     options.around = max(12, int(np.ceil(2 * np.pi * options.radius / choice.size)))
     choice = choice.at(size_of(options))
     nodes = options.around * (along(choice.size) + 1)
@@ -223,7 +223,7 @@ def main(given=None):
     # ## One run for every coefficient of friction
     options = arguments(given)
     report = Report(options.out, "hinge_sleeve", vars(options), COMM)
-    choice, runs, told = None, {}, {}
+    choice, runs, entries = None, {}, {}
     if options.around is None:
         choice = cells_for(options)
     for friction in options.friction:
@@ -233,12 +233,12 @@ def main(given=None):
     # ## What other cells differ by
     if choice:
         first = options.friction[0]
-        fewest = int(np.ceil(2 * np.pi / choice.law.coarsest))
-        other = replace_around(options, companion(options.around, fewest))
+        fewest = int(np.ceil(2 * np.pi / choice.power_law.coarsest))
+        other = replace_around(options, companion_cells(options.around, fewest))
         with report.stage("solve"):
             difference = apart(runs[first], cycles(other, first))
-        error = left(difference, options.around, other.around, choice.order)
-        told["accuracy"] = choice.summary(error, f"run with {other.around} cells around")
+        error = companion_error(difference, options.around, other.around, choice.order)
+        entries["accuracy"] = choice.summary(error, f"run with {other.around} cells around")
 
     # ## Results
     if COMM.rank == 0:
@@ -254,11 +254,11 @@ def main(given=None):
             draw(report.folder / "hinge_sleeve.png", runs)
     keys = ("loop", "friction", "kept")
     if choice:
-        console.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy_line(entries["accuracy"])])
     results = {f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()}
-    told["tricks"] = tricks(options)
+    entries["tricks"] = tricks(options)
     steps = sum(run["steps"] for run in runs.values())
-    report.write(results, steps=steps, newton_iterations=0, **told)
+    report.write(results, steps=steps, newton_iterations=0, **entries)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, torque.csv, hinge_sleeve.png")
 

@@ -26,8 +26,8 @@ import numpy as np
 
 import meshes
 from shellform import Fabric, Shell, Statics, console
-from shellform.accuracy import choice as accuracy
-from shellform.accuracy.error_law import companion, left
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import companion_cells, companion_error
 from shellform.accuracy.measured import seconds, tricks
 from shellform.results.report import Report
 from shellform.results.series import Series
@@ -84,7 +84,7 @@ def cells_for(options):
         sensitivity(options.turns),
         stretch(options.turns, options.length, options.thickness),
     )
-    choice = accuracy.choose(
+    choice = choose(
         "roll_up", options.accuracy, radius, *scales, families=[FAMILIES[options.degree - 1]]
     )
     options.cells = max(2, int(np.ceil(options.length / choice.size)))
@@ -111,15 +111,15 @@ def strip(options):
 
 def reached(options, choice, tip):
     """`accuracy` of summary.json: what the tip differs by from that of another mesh."""
-    fewest = int(np.ceil(2 * np.pi * abs(options.turns) / choice.law.coarsest))
-    cells = companion(options.cells, fewest)
+    fewest = int(np.ceil(2 * np.pi * abs(options.turns) / choice.power_law.coarsest))
+    cells = companion_cells(options.cells, fewest)
     shell, _ = strip(argparse.Namespace(**vars(options) | {"cells": cells}))
     with Statics(shell) as statics:
         for _ in statics.march(options.steps):
             pass
         other = shell.displacement_at((options.length, 0, 0)) + (options.length, 0, 0)
     apart = float(np.linalg.norm(tip - other)) / options.length
-    error = left(apart, options.cells, cells, choice.order)
+    error = companion_error(apart, options.cells, cells, choice.order)
     return choice.summary(error + choice.own, f"run with {cells} cells; stretch of the sheet added")
 
 
@@ -175,10 +175,10 @@ def main(given=None):
     # ## What other cells differ by
     usual = int(np.ceil(STEPS * abs(turns)))
     used = [f"{options.steps} load steps"] if options.steps < usual else []
-    told = {"tricks": tricks("roll_up", used)}
+    entries = {"tricks": tricks("roll_up", used)}
     if choice:
         with report.stage("solve"):
-            told["accuracy"] = reached(options, choice, tip)
+            entries["accuracy"] = reached(options, choice, tip)
 
     # ## Results
     if COMM.rank == 0:
@@ -202,10 +202,10 @@ def main(given=None):
         steps=len(statics.steps),
         newton_iterations=sum(step.iterations for step in statics.steps),
         cutbacks=statics.cutbacks,
-        **told,
+        **entries,
     )
     if choice:
-        console.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy_line(entries["accuracy"])])
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, roll_up.png, series.pvd")
 

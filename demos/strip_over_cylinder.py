@@ -36,9 +36,9 @@ from scipy.optimize import brentq
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
 from shellform.accuracy import measured
-from shellform.accuracy.error_law import richardson
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import richardson
 from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
@@ -245,7 +245,7 @@ def arguments(given):
 def cells_for(options):
     """The choice of cells for the accuracy asked for; sets options.cells, half as many first."""
     length = min(options.radius, options.bending_length)
-    choice = accuracy.choose("strip", options.accuracy, length)
+    choice = choose("strip", options.accuracy, length)
     count = max(6, int(np.ceil(options.length / choice.size)))
     options.cells = [max(3, count // 2), count]
     return choice.at(options.length / count)
@@ -321,11 +321,11 @@ def main(given=None):
             for label, found in runs.items()
         },
     }
-    told = {}
+    entries = {}
     if choice:
-        told["accuracy"] = reached(choice, *next(iter(runs.values())), options.length)
-        console.say([accuracy.told(told["accuracy"])])
-    report.write(results, steps=steps, newton_iterations=0, **told)
+        entries["accuracy"] = reached(choice, *next(iter(runs.values())), options.length)
+        console.say([accuracy_line(entries["accuracy"])])
+    report.write(results, steps=steps, newton_iterations=0, **entries)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, strip_over_cylinder.png")
 

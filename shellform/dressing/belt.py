@@ -9,15 +9,18 @@ Hands are springs from the nodes of the edge to places that move; they hold with
 losing stiffness, and leave contact to do its part, as a prescribed motion would not.
 """
 
+from collections.abc import Callable
+
 from mpi4py import MPI
 
 import numpy as np
 
 from contact.kernel import kernel
+from shellform.dynamics.explicit import Newmark
 
 
 @kernel
-def add_tension(x, tension, force):
+def add_tension(x: np.ndarray, tension: float, force: np.ndarray) -> None:
     """Add the forces of a closed cable through points x (k, 3) [m] to force (k, 3) [N]."""
     k = len(x)
     for i in range(k):
@@ -53,7 +56,7 @@ class Ring:
     ValueError if the edge is not one closed line
     """
 
-    def __init__(self, stepper, edge):
+    def __init__(self, stepper: Newmark, edge: str):
         partition = stepper.shell.partition
         segments = partition.edge(edge)[:, :2]
         closed = np.array_equal(segments[1:, 0], segments[:-1, 1])
@@ -67,7 +70,7 @@ class Ring:
         self.own = local[self.mine]
         self.x, self._comm = np.zeros((len(self.nodes), 3)), partition.comm
 
-    def look(self, stepper):
+    def look(self, stepper: Newmark) -> np.ndarray:
         """Bring `x` up to date on every rank."""
         self.x[:] = 0.0
         self.x[self.mine] = stepper.points[self.own] + stepper.owned[self.own, :3]
@@ -82,12 +85,12 @@ class Belt:
     `tension` may be changed at any time; at 0 the belt costs nothing.
     """
 
-    def __init__(self, stepper, edge="waist", tension=0.0):
+    def __init__(self, stepper: Newmark, edge: str = "waist", tension: float = 0.0):
         self.ring, self.tension = Ring(stepper, edge), tension
         self._force = np.zeros_like(self.ring.x)
         stepper.pulls.append(self)
 
-    def __call__(self, stepper, force):
+    def __call__(self, stepper: Newmark, force: np.ndarray) -> None:
         if self.tension == 0.0:
             return
         self._force[:] = 0.0
@@ -105,7 +108,14 @@ class Hands:
     stiffness : float [N/m], damping : float [N s/m], of each node's spring
     """
 
-    def __init__(self, stepper, edge, places, stiffness, damping):
+    def __init__(
+        self,
+        stepper: Newmark,
+        edge: str,
+        places: Callable[[float], tuple[np.ndarray, np.ndarray]],
+        stiffness: float,
+        damping: float,
+    ):
         partition = stepper.shell.partition
         self.own = partition.local(partition.find(edge))
         self.own = self.own[self.own < partition.n_owned]
@@ -113,7 +123,7 @@ class Hands:
         self.hold = 1.0  # 1 firm, 0 let go
         stepper.pulls.append(self)
 
-    def __call__(self, stepper, force):
+    def __call__(self, stepper: Newmark, force: np.ndarray) -> None:
         if self.hold == 0.0:
             return
         shift, velocity = self.places(stepper.time)

@@ -12,18 +12,25 @@ import pytest
 
 from demos.studies.accuracy import run as trade_off
 from demos.studies.accuracy.held_out import SCENES, measure
-from demos.studies.accuracy.readme_tables import meshes
 from demos.studies.accuracy.rows import reference_of, reference_rows, rms
+from demos.studies.accuracy.tables import meshes
 from shellform import console
 from shellform.__main__ import main
-from shellform.accuracy import choice as accuracy
 from shellform.accuracy import measured
-from shellform.accuracy.error_law import Law, cheapest, companion, fit, front, left, richardson
-from shellform.accuracy.prediction import tricks
+from shellform.accuracy.choice import LEADING, choose, relative_error
+from shellform.accuracy.convergence import (
+    PowerLaw,
+    cheapest,
+    companion_cells,
+    companion_error,
+    fit,
+    pareto_front,
+    richardson,
+)
 from shellform.scene.parts import Garment, Steps
 from shellform.scene.scene import Scene
-from shellform.simulation import error_study as trade
-from shellform.simulation import run as activity
+from shellform.simulation import error_study
+from shellform.simulation.prediction import tricks
 from shellform.simulation.summary import summary_of
 from tests.demos.test_demos import ENVIRONMENT, ROOT
 
@@ -56,11 +63,11 @@ def test_fit_leaves_out_what_says_nothing():
 
 
 def test_a_law_is_inverted():
-    law = Law(0.3, 2.0, scatter=1.0, finest=0.01, coarsest=10.0)
+    law = PowerLaw(0.3, 2.0, scatter=1.0, finest=0.01, coarsest=10.0)
     for error in (0.1, 0.01, 0.001):
         ratio, kept = law.ratio(error, sensitivity=2.0, own=0.3 * error)
         assert kept and law.error(ratio, 2.0, 0.3 * error) == pytest.approx(error, rel=1e-12)
-    spread = Law(0.3, 2.0, spread=0.05, finest=0.01, coarsest=10.0)
+    spread = PowerLaw(0.3, 2.0, spread=0.05, finest=0.01, coarsest=10.0)
     ratio, kept = spread.ratio(0.03)
     assert not kept and spread.error(ratio) == pytest.approx(0.05 * np.sqrt(2))
 
@@ -73,16 +80,18 @@ def test_richardson_is_exact_for_a_power():
 @pytest.mark.parametrize(("cells", "beside"), [(40, 20), (19, 12), (14, 21)])
 def test_a_run_beside_has_cells_for_which_the_power_holds(cells, beside):
     """More cells or fewer: a power gives its error back."""
-    assert companion(cells, 12) == beside
+    assert companion_cells(cells, 12) == beside
     error = lambda n: 0.2 * n**-1.6  # noqa: E731
-    assert left(error(cells) - error(beside), cells, beside, 1.6) == pytest.approx(error(cells))
+    assert companion_error(error(cells) - error(beside), cells, beside, 1.6) == pytest.approx(
+        error(cells)
+    )
 
 
 def test_front_and_cheapest():
     rows = [
         {"core_seconds": s, "error": e} for s, e in [(4, 1), (1, 8), (2, 9), (3, 2), (5, 2), (3, 4)]
     ]
-    assert [(r["core_seconds"], r["error"]) for r in front(rows)] == [(1, 8), (3, 2), (4, 1)]
+    assert [(r["core_seconds"], r["error"]) for r in pareto_front(rows)] == [(1, 8), (3, 2), (4, 1)]
     assert cheapest(rows, 2)["core_seconds"] == 3 and cheapest(rows, 0.5) is None
 
 
@@ -119,20 +128,20 @@ def test_a_reference_is_no_better_known_than_starts_repeat():
 @pytest.mark.parametrize("case", ["roll_up", "capstan", "strip", "sleeve", "drape"])
 def test_less_error_takes_finer_cells(case):
     """Sizes fall with the error asked for; what is promised is also predicted."""
-    choices = [accuracy.choose(case, error, 0.1) for error in (0.1, 0.03, 0.01, 0.003, 0.001)]
+    choices = [choose(case, error, 0.1) for error in (0.1, 0.03, 0.01, 0.003, 0.001)]
     sizes = [choice.size for choice in choices]
     assert sizes == sorted(sizes, reverse=True) and sizes[0] > sizes[-1]
     for choice in choices:
         assert not choice.kept or choice.error <= choice.asked * (1 + 1e-9)
-    longer = accuracy.choose(case, 0.03, 0.2)
-    assert longer.size == pytest.approx(2 * accuracy.choose(case, 0.03, 0.1).size)
+    longer = choose(case, 0.03, 0.2)
+    assert longer.size == pytest.approx(2 * choose(case, 0.03, 0.1).size)
 
 
 def test_the_cheaper_family_is_chosen():
     cost = {"quads": 1.0, "nine-node quads": 2.0}
     for wins in cost:
         cost = dict.fromkeys(cost, 2.0) | {wins: 1.0}
-        found = accuracy.choose(
+        found = choose(
             "roll_up", 0.01, 1.0, families=list(cost), work=lambda family, _: cost[family]
         )
         assert found.family == wins
@@ -140,27 +149,27 @@ def test_the_cheaper_family_is_chosen():
 
 def test_what_cannot_be_promised_is_told():
     """A walk repeats to some percent only: 0.1 % is refused in words, with what it leaves."""
-    choice = accuracy.choose("walk", "0.1%", 0.0175)
+    choice = choose("walk", "0.1%", 0.0175)
     assert not choice.kept
     assert "0.1% of torque cannot be promised" in choice.lines()[-1]
-    words = [accuracy.choose("walk", word, 0.0175) for word in ("draft", "standard", "fine")]
+    words = [choose("walk", word, 0.0175) for word in ("draft", "standard", "fine")]
     # a word fixes the cells of a garment; that they leave what the word says is not claimed
     assert all(word.kept and word.summary(None, "")["promised"] is False for word in words)
     for word in words:
         # folds choose among many states: what is lost to that is told with every choice
         assert any("of torque another start alone changes" in line for line in word.lines())
-        assert word.error > word.law.spread > 0.05
+        assert word.error > word.power_law.spread > 0.05
 
 
 @pytest.mark.parametrize("wrong", ["0%", "banana", "100%", "-3%", "3", "", "nan%", 0.0, 2, None])
 def test_errors_that_are_none(wrong):
     with pytest.raises(ValueError, match="draft, standard, fine or a percentage"):
-        accuracy.relative_error(wrong)
+        relative_error(wrong)
 
 
 def test_words_are_errors():
-    words = [accuracy.relative_error(word) for word in ("draft", "standard", "fine")]
-    assert words == [accuracy.relative_error(text) for text in ("3%", "1%", "0.1%")]
+    words = [relative_error(word) for word in ("draft", "standard", "fine")]
+    assert words == [relative_error(text) for text in ("3%", "1%", "0.1%")]
 
 
 # scenes that were not used for the fit: the error reached is within a factor 2 of that predicted
@@ -232,7 +241,7 @@ def test_the_trade_is_measured(tmp_path, monkeypatch):
     assert (tmp_path / "trade.png").read_bytes()[:4] == b"\x89PNG"
     with open(tmp_path / "trade.csv") as file:
         assert len(list(csv.DictReader(file))) == 3
-    law = measured.laws("roll_up", tmp_path / "kept.csv")["quads"]["position"]
+    law = measured.power_laws("roll_up", tmp_path / "kept.csv")["quads"]["position"]
     assert 5 < law.order < 7
     assert measured.seconds("roll_up", "quads", 26, 20, tmp_path / "kept.csv") > 0
 
@@ -313,7 +322,7 @@ def test_a_budget_for_nothing_is_told(tmp_path, monkeypatch):
 def test_the_tables_of_the_readme_come_from_the_table():
     """Every scene has a line; the cheapest of those that keep the error stands in it."""
     table = meshes()
-    assert len(table) == 2 + len(accuracy.LEADING)
+    assert len(table) == 2 + len(LEADING)
     rows = [
         row
         for row in measured.read()
@@ -374,7 +383,7 @@ def test_trade_of_the_default_scene(tmp_path, capsys, monkeypatch):
 
 
 def false_run(monkeypatch, order=2.0):
-    """`activity.run` leaves torques with an error of h^order, in place of a walk."""
+    """`run` leaves torques with an error of h^order, in place of a walk."""
 
     def run(scene, out, comm, dressed=None, watch=None):
         out.mkdir(parents=True, exist_ok=True)
@@ -387,25 +396,35 @@ def false_run(monkeypatch, order=2.0):
         entry = {"seconds": {"total": 60.0}}
         (out / "summary.json").write_text(json.dumps(entry))
 
-    monkeypatch.setattr(activity, "run", run)
+    monkeypatch.setattr(error_study, "run", run)
 
 
-def test_a_run_beside_tells_the_error(tmp_path, monkeypatch):
+def measured_as(monkeypatch, law):
+    """Errors of torques go with the size as `law` says, in place of the table's."""
+    home = "shellform.accuracy.choice.power_laws"
+    monkeypatch.setattr(home, lambda *_, **__: {"quads": {"torque": law}})
+
+
+def test_a_companion_run_gives_the_error(tmp_path, monkeypatch):
     """With torques whose error is a power of the size the estimate is that error."""
-    law = Law(1.0, 2.0, finest=0.1, coarsest=10.0)
-    monkeypatch.setattr(accuracy, "laws", lambda *_, **__: {"quads": {"torque": law}})
+    law = PowerLaw(1.0, 2.0, finest=0.1, coarsest=10.0)
+    monkeypatch.setattr(
+        "shellform.accuracy.choice.power_laws", lambda *_, **__: {"quads": {"torque": law}}
+    )
     false_run(monkeypatch)
     scene = Scene(garment=Garment(cell_size=0.018))
-    activity.run(scene, tmp_path, console.MPI.COMM_SELF)
-    entry = trade.estimate(scene, tmp_path, console.MPI.COMM_SELF)
+    error_study.run(scene, tmp_path, console.MPI.COMM_SELF)
+    entry = error_study.estimate(scene, tmp_path, console.MPI.COMM_SELF)
     assert entry == summary_of(tmp_path)["accuracy"]
     assert entry["estimated"] == pytest.approx(0.018**2, rel=1e-2)
     assert entry["asked"] is None and entry["promised"] is None
     assert entry["cell_size"] == pytest.approx(0.018)
     # where errors show no order the difference itself is told
-    flat = Law(0.3, 0.0, finest=0.1, coarsest=10.0)
-    monkeypatch.setattr(accuracy, "laws", lambda *_, **__: {"quads": {"torque": flat}})
-    entry = trade.estimate(scene, tmp_path, console.MPI.COMM_SELF)
+    flat = PowerLaw(0.3, 0.0, finest=0.1, coarsest=10.0)
+    monkeypatch.setattr(
+        "shellform.accuracy.choice.power_laws", lambda *_, **__: {"quads": {"torque": flat}}
+    )
+    entry = error_study.estimate(scene, tmp_path, console.MPI.COMM_SELF)
     assert entry["estimated"] == pytest.approx(3 * 0.018**2, rel=1e-2)
 
 
@@ -413,7 +432,9 @@ def test_a_run_beside_tells_the_error(tmp_path, monkeypatch):
     ("size", "other"), [(0.0175, 0.035), (0.025, 0.04), (0.035, 0.04), (0.04, 0.032)]
 )
 def test_cells_beside_make_trousers(size, other):
-    assert trade.beside(Scene(garment=Garment(cell_size=size))).cell_size == pytest.approx(other)
+    assert error_study.companion_scene(
+        Scene(garment=Garment(cell_size=size))
+    ).cell_size == pytest.approx(other)
 
 
 @pytest.mark.parametrize("given", [["trade"], ["run", "--estimate"]])
@@ -430,7 +451,9 @@ def test_cells_of_a_file_cannot_be_chosen(given, tmp_path, capsys):
 def test_the_two_cheapest_are_compared(tmp_path, monkeypatch):
     """`shellform trade --measure`: minutes and differences of what was run."""
     false_run(monkeypatch)
-    said = trade.trade(Scene(steps=Steps(accuracy="draft")), console.MPI.COMM_SELF, tmp_path)
+    said = error_study.cost_table(
+        Scene(steps=Steps(accuracy="draft")), console.MPI.COMM_SELF, tmp_path
+    )
     finer, coarser = (line.split() for line in said[-1:-3:-1])
     sizes = sorted((float(path.name.split("_")[1]) for path in tmp_path.iterdir()), reverse=True)
     assert [float(coarser[0]), float(finer[0])] == pytest.approx(sizes, abs=0.06)

@@ -31,8 +31,8 @@ from shellform.scene.parts import Contact, Garment, Motion, Output, Steps
 from shellform.scene.reach import SLIPPED, STRETCHED, along_cloth, reachable
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import cut, dressed_wearer, ellipsoids_of, wearer_of
-from shellform.simulation.model import Activity
-from shellform.simulation.plan import plan_of, plan_of_run, told
+from shellform.simulation.model import Model
+from shellform.simulation.plan import plan_lines, plan_of
 from shellform.simulation.summary import describe
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -391,14 +391,14 @@ def test_a_high_step_brings_the_foot_to_the_hem():
 
 def test_a_run_leaves_out_what_its_plan_does(shared_tmp_path, comm):
     """Bare feet are not in the body that the cloth meets, and summary.json says so."""
-    activity = Activity(level_walk(garment=SHORTS), comm)
-    met = activity.touch.correction.body.names
+    model = Model(level_walk(garment=SHORTS), comm)
+    met = model.contact.correction.body.names
     report = Report(shared_tmp_path, "walk", {}, comm)
-    describe(report, activity)
+    describe(report, model)
     plan = report.summary["plan"]
-    assert plan["out_of_reach"] == [name for name in activity.whole.names if name not in met]
+    assert plan["out_of_reach"] == [name for name in model.whole.names if name not in met]
     assert plan["out_of_reach"] == ["right_foot", "left_foot"] and plan["contact"] == list(met)
-    assert (activity.touch.correction.allowed < 1 << len(met)).all()
+    assert (model.contact.correction.allowed < 1 << len(met)).all()
 
 
 def standing(wearer):
@@ -432,9 +432,9 @@ def test_plan_names_what_is_there_and_nothing_else(dressed):
     assert set(full) - set(bare) == {"friction", "belt", "out_of_reach"}
     assert "pressure.npz" not in bare["outputs"]
     assert bare["contact"] == list(wearer.names)
-    text = "\n".join(told(bare))
+    text = "\n".join(plan_lines(bare))
     assert "no friction" in text and "no belt" in text and "gravity" not in text
-    assert "friction: 0.3, 0.3" in "\n".join(told(full))
+    assert "friction: 0.3, 0.3" in "\n".join(plan_lines(full))
     kinetic = replace(less, contact=Contact(friction=0.5, kinetic_friction=0.4))
     assert plan_of(kinetic, wearer, shorts)["friction"] == [0.5, 0.4]
 
@@ -450,7 +450,7 @@ def test_plan_of_a_run_is_stored(shared_tmp_path, comm):
         if name == "ball":
             touch = Touch(stepper, ball(), 0.0)
         report = Report(shared_tmp_path / name, name, {}, comm)
-        report.describe(shell, **plan_of_run(shell, stepper, touch))
+        report.describe(shell, stepper, touch)
         report.write({})
         comm.Barrier()
         plans[name] = json.loads((shared_tmp_path / name / "summary.json").read_text())["plan"]

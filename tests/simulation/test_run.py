@@ -31,9 +31,9 @@ from shellform.scene.garment import garment_of
 from shellform.scene.parts import Motion, Output, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import write_scene
-from shellform.simulation import run as activity
-from shellform.simulation import summary as account
 from shellform.simulation.figures import draw
+from shellform.simulation.run import run as run_scene
+from shellform.simulation.summary import summary_lines
 from tests.dressing.test_dress import dressed
 from tests.scene.test_wearer_and_garment import turned
 from tests.test_parallel import launch, needs_mpirun
@@ -54,7 +54,7 @@ def walked(tmp_path_factory):
     """Folder of a whole run, and what it returned; frames that were watched."""
     out = Path(COMM.bcast(str(tmp_path_factory.mktemp("walk")) if COMM.rank == 0 else None))
     watched = []
-    results = activity.run(
+    results = run_scene(
         WALK, out, COMM, dressed("compliant").path, lambda stage, _: watched.append(stage)
     )
     COMM.Barrier()
@@ -153,16 +153,16 @@ def test_files_of_a_run(walked):
         assert key in summary
     assert set(summary["seconds"]) >= {"setup", "compile", "assemble", "solve", "contact", "total"}
     assert summary["ranks"] == COMM.size and summary["dofs"] == 5 * summary["nodes"]
-    told = summary["results"]
+    found = summary["results"]
     for key in (
         "max_penetration", "force_balance_error", "strides", "stride_length", "parts", "window",
         "dressing", "pinched_most", "notes", "weight",
     ):  # fmt: skip
-        assert key in told
-    assert list(told["joints"]) == JOINTS
-    assert told["window"] == 0.02 and told["parts"]["left_knee"] == ["left_shank", "left_foot"]
-    assert told["stride_length"] == pytest.approx(1.32)
-    for joint, numbers in told["joints"].items():
+        assert key in found
+    assert list(found["joints"]) == JOINTS
+    assert found["window"] == 0.02 and found["parts"]["left_knee"] == ["left_shank", "left_foot"]
+    assert found["stride_length"] == pytest.approx(1.32)
+    for joint, numbers in found["joints"].items():
         mine = [row for row in rows if row["joint"] == joint]
         flexion = np.array([row["torque_flexion"] for row in mine])
         assert abs(numbers["peak_torque"]) == pytest.approx(np.abs(flexion).max(), rel=1e-9)
@@ -170,7 +170,7 @@ def test_files_of_a_run(walked):
         power = np.array([row["power"] for row in mine])
         assert numbers["work"] == pytest.approx(power.sum() * 0.02, rel=1e-6, abs=1e-12)
         assert numbers["resistance"] >= max(0.0, -numbers["work"]) - 1e-12
-    lines = "\n".join(account.told(results))
+    lines = "\n".join(summary_lines(results))
     assert "right_knee" in lines and "% of the weight" in lines
 
 
@@ -192,7 +192,7 @@ def walks(monkeypatch, tmp_path):
 
     def run(make, state):
         monkeypatch.setattr(build, "synthetic_walk", make)
-        activity.run(WALK, tmp_path, COMM, state)
+        run_scene(WALK, tmp_path, COMM, state)
         return torques(tmp_path)
 
     return run
@@ -338,8 +338,8 @@ def test_killed_run_goes_on_on_two_ranks(walked, killed, tmp_path):
     assert one.shape == two.shape
     assert np.array_equal(one[:done], two[:done])  # rows of the file
     assert 0 < off[done : done + 5].max() < 1e-6
-    told = json.loads((out / "summary.json").read_text())
-    assert told["ranks"] == 2 and told["results"]["force_balance_error"] < 1e-6
+    found = json.loads((out / "summary.json").read_text())
+    assert found["ranks"] == 2 and found["results"]["force_balance_error"] < 1e-6
 
 
 @pytest.mark.serial

@@ -31,7 +31,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from demos.studies.accuracy import readme_tables as trade_readme
+from demos.studies.accuracy import tables as trade_readme
 from demos.studies.accuracy.cases import CASES
 from demos.studies.accuracy.held_out import HEAD, SCENES, WITHIN, line, measure
 from demos.studies.accuracy.ladder import ladder
@@ -39,7 +39,7 @@ from demos.studies.accuracy.rows import rows_of
 from demos.studies.accuracy.walk_case import walk_case
 from shellform.accuracy import measured
 from shellform.accuracy.choice import LEADING, WORDS, choose
-from shellform.accuracy.error_law import cheapest, front
+from shellform.accuracy.convergence import cheapest, pareto_front
 from shellform.console import parse, positive, run, say
 from shellform.results.files import write_atomically
 from shellform.results.report import Report
@@ -92,7 +92,7 @@ def keep(rows, names):
     speed = measured.machine()
     machine = [{"case": name, "kind": "machine", "core_seconds": speed} for name in names]
     write_atomically(path, table_text([*before, *machine, *rows], measured.COLUMNS))
-    for cached in (measured.read, measured.laws, measured.cost):
+    for cached in (measured.read, measured.power_laws, measured.cost):
         cached.cache_clear()
 
 
@@ -148,7 +148,7 @@ def draw(path, rows, names):
             colour, mark = f"C{quantities.index(quantity)}", "os^D"[families.index(family)]
             x, y = [r["core_seconds"] for r in some], [r["error"] for r in some]
             axes.loglog(x, y, mark, color=colour, ms=5, mfc="none", label=f"{quantity}, {family}")
-        best = front(leading(rows, name))
+        best = pareto_front(leading(rows, name))
         x, y = [r["core_seconds"] for r in best], [r["error"] for r in best]
         axes.loglog(x, y, "k-", lw=1)
         doubt = best[0]["uncertainty"]
@@ -194,7 +194,7 @@ def main(given=None):
         raise ValueError(f"no setting of {', '.join(names)} was run: give a larger --budget")
 
     # ## Tables, picture, and what is kept
-    best = {name: front(leading(rows, name)) for name in done}
+    best = {name: pareto_front(leading(rows, name)) for name in done}
     within = {
         name: {
             f"{100 * error:g} %": row and short(row)

@@ -38,7 +38,7 @@ from shellform.results.report import Report
 from shellform.results.skin_pressure import Pressure
 from shellform.scene.parts import Motion
 from shellform.scene.scene import Scene
-from shellform.simulation.model import Activity
+from shellform.simulation.model import Model
 
 COMM = MPI.COMM_WORLD
 GAP = 0.05  # between sheet and sphere there [m]
@@ -234,11 +234,11 @@ def drape(cells, damping, seconds):
 
 def walk():
     """Profile of a walk at draft, after dressing."""
-    activity = Activity(Scene(motion=Motion(end=1.6)), COMM)
-    activity.dress()
-    stepper = activity.stepper
-    Torque(activity.touch, stepper)  # these two hook themselves in
-    Pressure(activity.touch, stepper)
+    model = Model(Scene(motion=Motion(end=1.6)), COMM)
+    model.dress()
+    stepper = model.stepper
+    Torque(model.contact, stepper)  # these two hook themselves in
+    Pressure(model.contact, stepper)
     stepper.advance(0.6)
     return profile(stepper, 1.4), stepper
 
@@ -255,7 +255,7 @@ def table(columns):
     return lines
 
 
-def told(best, moved, counted):
+def table_lines(best, moved, counted):
     """Lines for a person on the machine's limits."""
     rate = best["operations"]
     lines = [
@@ -300,7 +300,7 @@ def main(given=None):
     report.write(results, steps=stepper.steps, newton_iterations=0)
     if COMM.rank == 0:
         print("\n".join(table(columns)))
-        print("\n".join(told(best, moved, counted)))
+        print("\n".join(table_lines(best, moved, counted)))
         print(f"wrote {options.out}/summary.json")
 
 

@@ -7,8 +7,8 @@
 import math
 
 from shellform.accuracy.choice import LEADING, WORDS, choose, percent
-from shellform.accuracy.error_law import cheapest
-from shellform.accuracy.measured import laws, read
+from shellform.accuracy.convergence import cheapest
+from shellform.accuracy.measured import power_laws, read
 
 ERRORS = (0.1, 0.03, 0.01, 0.003)
 KINDS = ("spread", "step", "trick")
@@ -65,7 +65,7 @@ def words():
     """What the words choose in each scene: size of the cells, error; a star: not what was asked."""
     said = ["| scene | draft | standard | fine |", "|---|---|---|---|"]
     for case in LEADING:
-        if not laws(case, needed=False):
+        if not power_laws(case, needed=False):
             continue
         found = [choose(case, word, 1.0) for word in WORDS]
         cells = (
