@@ -32,7 +32,7 @@ from shellform import Fabric, Shell, console
 from shellform.accuracy import measured
 from shellform.accuracy.choice import accuracy_line, choose
 from shellform.accuracy.convergence import richardson
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
 
@@ -102,7 +102,7 @@ def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9):
     shell.supports.move("right", lambda t: travel(t) * out[1])
     stepper = Newmark(shell, factor, damping=DAMPING, drag=DRAG)
     body = Body([Segment("cylinder", (radius, 100.0, radius), Fixed())])
-    touch = Touch(stepper, body, friction)
+    touch = stepper.add(Contact(body, friction))
     # the sides are held in their planes, which is no reason for contact to leave them alone
     touch.correction.fixed[:] = False
     return stepper, out

@@ -31,7 +31,7 @@ from shellform import Fabric, Shell, console
 from shellform.accuracy.choice import accuracy_line, choose
 from shellform.accuracy.convergence import richardson
 from shellform.accuracy.measured import seconds
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
@@ -123,16 +123,15 @@ def sheet(options):
 def stepper_of(options, shell, body):
     """Stepper of the model asked for, and its contact with the body."""
     if options.stepper == "implicit":
-        from shellform.contact_coupling.implicit_contact import ImplicitTouch
         from shellform.dynamics.implicit import ImplicitNewmark
 
         stepper = ImplicitNewmark(shell, options.time_step, alpha=options.alpha, drag=options.drag)
-        return stepper, ImplicitTouch(stepper, body, options.friction)
+        return stepper, stepper.add(Contact(body, options.friction))
     model = Newmark
     if options.model == "particles":
         from shellform.dynamics.mass_spring import Particles as model
     stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
-    return stepper, Touch(stepper, body, options.friction)
+    return stepper, stepper.add(Contact(body, options.friction))
 
 
 def cells_for(options):
@@ -208,7 +207,7 @@ def main(given=None):
         later = stepper, touch
         stepper, touch = stepper_of(first, sheet(options), body)
     perturb(options, stepper)
-    ledger, series = Ledger(report.folder / "ledger.csv", stepper, touch), Series(options.out)
+    ledger, series = stepper.add(Ledger(report.folder / "ledger.csv")), Series(options.out)
     times = np.linspace(0, options.seconds, options.frames + 1)[1:]
     shown = stepper.shell
     frames, deepest = [(shown.positions(), shown.directors())], 0.0
@@ -222,12 +221,12 @@ def main(given=None):
                 report.shift(touch.seconds, "solve", "contact")
                 hand_over(stepper, later[0])
                 particle_steps, (stepper, touch), later = stepper.steps, later, None
-                ledger = Ledger(report.folder / "ledger.csv", stepper, touch)
+                ledger = stepper.add(Ledger(report.folder / "ledger.csv"))
             stepper.advance(time)
         with report.stage("output"):
             ledger.record()
             if options.stepper == "explicit" and options.handover is None:
-                checkpoint.save(report.folder / "checkpoint.npz", stepper, touch)
+                checkpoint.save(report.folder / "checkpoint.npz", stepper)
             shown = stepper.shell
             series.write(shown, time)
             frames.append((shown.positions(), shown.directors()))

@@ -28,7 +28,7 @@ from shellform import Fabric, Shell, console
 from shellform.accuracy import measured
 from shellform.accuracy.choice import accuracy_line, choose
 from shellform.accuracy.convergence import companion_cells, companion_error
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.lumped_mass import ROTARY_SCALE
 from shellform.motion.recording import Recording
@@ -133,13 +133,13 @@ def cycles(options, friction, folder=None):
         rotary_scale=options.rotary_scale,
     )
     start = time.process_time()
-    touch = Touch(stepper, knee(options), friction)
+    touch = stepper.add(Contact(knee(options), friction))
     stepper.advance(STILL)
     stepper.drag = 10.0
     touch.correction.reset()
     torque, ledger = (
-        Torque(touch, stepper, path=folder and folder / "torque.csv"),
-        Ledger(None, stepper, touch),
+        stepper.add(Torque(folder and folder / "torque.csv")),
+        stepper.add(Ledger()),
     )
     count = WINDOWS * options.cycles
     times = STILL + options.period * np.arange(count + 1) / WINDOWS

@@ -39,7 +39,7 @@ from shellform import Fabric, Shell, console
 from shellform.accuracy import measured
 from shellform.accuracy.choice import accuracy_line, choose
 from shellform.accuracy.convergence import richardson
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
 
@@ -140,7 +140,7 @@ def elastica(scene):
 
 
 def strip(scene, cells, samples, drag=12.0, friction=0.0):
-    """Stepper and Touch of half a strip, bent over the cylinder, its end straight."""
+    """Stepper and contact of half a strip, bent over the cylinder, its end straight."""
     surface = meshes.rectangle(scene.length, WIDTH, (cells, 1))
     surface = surface.transform(translation=(0, -0.5 * WIDTH, scene.rho))
     ones = np.diag([1, 1, 0.5])
@@ -164,7 +164,7 @@ def strip(scene, cells, samples, drag=12.0, friction=0.0):
     w[:, 3:] = np.column_stack([np.sin(phi), 0 * phi, np.cos(phi)])
     stepper = Newmark(shell, 0.9, drag=drag)
     body = Body([Segment("cylinder", (scene.radius, 100.0, scene.radius), Fixed())])
-    return stepper, Touch(stepper, body, friction, samples=samples)
+    return stepper, stepper.add(Contact(body, friction, samples=samples))
 
 
 def measure(exact, stepper, touch, until=2.0):

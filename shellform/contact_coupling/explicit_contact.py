@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Contact of a shell in explicit steps: the hook between the kick and the drift, Eqs. 15 and 16.
+"""Contact of a shell in explicit steps: its turn between the kick and the drift, Eqs. 15 and 16.
 
 Gives the arrays of a stepper's owned nodes to `contact.Correction` and books what it did. Cloth is
 met at half its thickness from the mid-surface.
@@ -31,27 +31,25 @@ from contact.solver.cell_samples import (
     too_thin,
 )
 from contact.solver.velocity_correction import Correction
+from shellform.dynamics.part import RunningContact
 from shellform.fem.partition import DOLFINX_ORDER
 
+from . import contact_checkpoint
 
-class Touch:
-    """Hook of a `Stepper`: contact of a sheet with a body.
+
+class ExplicitContact(RunningContact):
+    """Contact of a sheet with a body in explicit steps; `stepper.add(Contact(body))` makes it.
 
     Parameters
     ----------
     stepper : Stepper, explicit
-    body : contact.body.segments.Body
-    friction : float or (mu_s, mu_k)
-    offset : float [m] or None: half the fabric's thickness
-    samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell
-    flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
-        each other (contact/solver/soft_crease.py); None: hard
+    body, friction, offset, samples, flesh_stiffness, recovery : see Contact
 
     Attributes
     ----------
+    body, last, window, ... : see RunningContact
     correction : contact.Correction, with its counters and ledgers, those of samples included
-    inner : Correction of the samples, or None
-    seconds : float, spent in contact
+    inner : Correction of the samples, or None; cells : (k, 4), the nodes of their cells
     notes : list of str, ellipsoids that can pass between the points that are met
 
     Raises
@@ -60,16 +58,20 @@ class Touch:
     """
 
     def __init__(
-        self, stepper, body, friction=0.3, offset=None, samples="nodes", flesh_stiffness=None
-    ):
+        self, stepper, body, friction, offset, samples, flesh_stiffness, recovery
+    ):  # fmt: skip
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
         self._held = np.ascontiguousarray(stepper.shell.supports.held[:n, :3])
         fixed = self._held.all(axis=1)
         self._guided = np.flatnonzero(self._held.any(axis=1) & ~fixed)
         areal = stepper.shell.fabric.areal_mass
-        self._pinch = {"flesh": flesh_stiffness / areal} if flesh_stiffness else {}
-        self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._pinch)
+        self._how = {"recovery": recovery}
+        if flesh_stiffness:
+            self._how["flesh"] = flesh_stiffness / areal
+        self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._how)
+        self.body, self.last, self.window = body, self.correction.last, self.correction.window
+        self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None
         if not (isinstance(samples, str) and samples == "nodes") and samples != 0:
@@ -77,8 +79,46 @@ class Touch:
         k = 0 if isinstance(samples, str) else samples
         size = stepper.shell.surface.mean_cell_size
         self.notes = too_thin(body.names, body.radii, size, offset, k)
-        stepper.hooks.append(self)
+
+    def attach(self, stepper):
+        """See Part; the stepper keeps the velocities of the step before from now on."""
+        super().attach(stepper)
         stepper.keep_old_velocities()
+        return self
+
+    @property
+    def active(self):
+        return self.correction.active
+
+    @property
+    def sticking(self):
+        return self.correction.sticking
+
+    @property
+    def pinched(self):
+        return self.correction.pinched
+
+    @property
+    def max_depth(self):
+        return self.correction.max_depth
+
+    @property
+    def pinch_depth(self):
+        return self.correction.pinch_depth
+
+    @property
+    def start_pose(self):
+        """Pose of the body at the start of the last step."""
+        return self.correction.start_pose
+
+    @property
+    def friction(self):
+        """(mu_s, mu_k); may be changed between steps."""
+        return self.correction.friction
+
+    @friction.setter
+    def friction(self, value):
+        self.correction.friction = value
 
     def _inside(self, stepper, body, friction, offset, weights):
         """Prepare samples in the cells of this rank; some of their nodes may be ghosts."""
@@ -90,7 +130,7 @@ class Touch:
             )
         self._weights = weights
         share = shares(surface.cells[:, DOLFINX_ORDER[4]], weights, len(surface.points))
-        self._cells = partition.space.dofmap.list.array.reshape(-1, 4).astype(np.int64)
+        self.cells = partition.space.dofmap.list.array.reshape(-1, 4).astype(np.int64)
         # nodal fields that ranks exchange: x, v, v before the forces, and the bits of `allowed`
         space = fem.VectorFunctionSpace(partition.mesh, ("Lagrange", 1), dim=10)
         self._field = fem.Function(space)
@@ -99,13 +139,13 @@ class Touch:
         self._nodal[: partition.n_owned, 1] = stepper.mass
         self._field.x.scatter_forward()
         fixed, mass = self._nodal[:, 0] > 0.5, self._nodal[:, 1]
-        self._mass = particle_masses(self._cells, weights, share[partition.nodes], mass, fixed)
+        self._mass = particle_masses(self.cells, weights, share[partition.nodes], mass, fixed)
         k = len(self._mass)
         still = ~np.isfinite(self._mass)
         self._mass[still] = 1.0
         self._points, self._after = np.empty((k, 9)), np.empty((k, 9))
         self._free = np.empty_like(stepper.v)
-        self.inner = Correction(body, k, friction, offset, fixed=still, **self._pinch)
+        self.inner = Correction(body, k, friction, offset, fixed=still, **self._how)
 
     def __call__(self, stepper, dt):
         start = time.perf_counter()
@@ -138,7 +178,7 @@ class Touch:
     def _meet_inside(self, stepper, dt):
         """Contact of the samples, after that of the nodes."""
         outer, inner, n = self.correction, self.inner, stepper.n_owned
-        nodal, points, cells, weights = self._nodal, self._points, self._cells, self._weights
+        nodal, points, cells, weights = self._nodal, self._points, self.cells, self._weights
         if inner.friction != outer.friction:
             inner.friction = outer.friction
         nodal[:n, :3], nodal[:n, 3:6] = self._x, stepper.v
@@ -173,13 +213,31 @@ class Touch:
         outer.max_depth = max(outer.max_depth, inner.max_depth)
         outer.pinch_depth = max(outer.pinch_depth, inner.pinch_depth)
 
-    def state(self):
-        """What the next step needs to know of this one, for `restore` (copies)."""
+    def touched(self):
+        """What the next step needs to know of this one (copies)."""
         inner = None if self.inner is None else self.inner.state()
         return {"nodes": self.correction.state(), "inner": inner}
 
+    def set_touched(self, touched):
+        """Continue from `touched()`."""
+        self.correction.restore(touched["nodes"])
+        if self.inner is not None:
+            self.inner.restore(touched["inner"])
+
+    def state(self):
+        """What is touched and what the window holds, for `restore` (copies)."""
+        window = self.window
+        return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds
+
     def restore(self, state):
         """Continue from `state()`."""
-        self.correction.restore(state["nodes"])
-        if self.inner is not None:
-            self.inner.restore(state["inner"])
+        touched, self.window.impulse[:], self.window.table[:], self.window.seconds = state
+        self.set_touched(touched)
+
+    def saved(self):
+        """See Part."""
+        return contact_checkpoint.saved(self)
+
+    def resume(self, path, state):
+        """See RunningContact; ValueError for samples other than those of the file."""
+        contact_checkpoint.resume(self, path, state)

@@ -30,6 +30,7 @@ from contact.solver import active_set, held_nodes
 from contact.solver.contact_ledger import Ledger
 from contact.solver.friction import coefficients
 from contact.solver.held_nodes import FIXED, OPEN
+from shellform.dynamics.part import RunningContact
 
 ROUNDS = 30  # solves of a step before it counts as failed
 NEAR = 1e-6  # of the scene's length: error of the place of a node on a curved surface
@@ -37,36 +38,27 @@ SOFT = 0.02  # relative change of friction loads at which they are settled
 SMALLEST = 1 / 64  # part of the largest step from which on unsettled contact is taken as it is
 
 
-class ImplicitTouch:
-    """Contact of an ImplicitNewmark with a body; stands where `touch.Touch` stands in a ledger.
+class ImplicitContact(RunningContact):
+    """Contact of a sheet with a body in implicit steps; `stepper.add(Contact(body))` makes it.
 
     Parameters
     ----------
     stepper : ImplicitNewmark
-    body : contact.body.segments.Body
-    friction : float or (mu_s, mu_k)
-    offset : float [m] or None: half the fabric's thickness
-    recovery : float, greatest speed at which a node that starts a step inside is moved out [m/s]
+    body, friction, offset, recovery : see Contact
 
     Attributes
     ----------
-    correction : self, for the ledger
-    last, window : contact.solver.node_contact.Ledger of the last step, of all since `reset`
-    segment : (n_owned,), segment that holds a node, -1 without contact
-    active, sticking : nodes held after the last step, of these in stick
+    body, last, window, ... : see RunningContact; active, sticking : nodes held after the last step
     rounds : int, active sets tried so far; unsettled : int, steps taken with a set still changing
-    max_depth : float, deepest start of the last step below the offset surface [m]
     seconds : float, spent outside the solves
     """
 
     pinched = 0
 
-    def __init__(self, stepper, body, friction=0.3, offset=None, recovery=0.1):
+    def __init__(self, stepper, body, friction, offset, recovery):
         n, shell = stepper.n_owned, stepper.shell
         if stepper.instant != 1.0:
             raise ValueError("midpoint steps know no contact; take ImplicitNewmark")
-        if stepper.contact is not None:
-            raise ValueError("this stepper has a body already; give all segments to one Body")
         if not recovery > 0:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
         offset = 0.5 * shell.fabric.thickness if offset is None else float(offset)
@@ -82,18 +74,17 @@ class ImplicitTouch:
         self._goal = np.empty((n, 3))
         self.last, self.window = Ledger(n, len(body)), Ledger(n, len(body))
         self._start, self._end = body.new_pose(), body.new_pose()
-        self.correction, self.seconds = self, 0.0
+        self.seconds = 0.0
         self.active = self.sticking = self.rounds = self.unsettled = 0
         self.max_depth = self.pinch_depth = 0.0
-        stepper.contact = self
 
     @property
     def segment(self):
         return np.where(self._set.state > OPEN, self._set.owner[:, 0], -1)
 
-    def reset(self):
-        """Begin a new window."""
-        self.window.clear()
+    @property
+    def friction(self):
+        return self._law[:2]
 
     def solve(self, stepper, dt):
         """Solve a step for positions with its set; Newton iterations, in all and in the

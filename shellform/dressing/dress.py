@@ -15,7 +15,6 @@ from collections.abc import Callable
 import numpy as np
 
 from meshes import Surface
-from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 from shellform.motion.wearer import Wearer
 
@@ -29,7 +28,6 @@ GAP = 0.03  # between the waist edge and the legs above it, before [m]
 
 def dress(
     stepper: Newmark,
-    contact: Touch,
     tension: float,
     dressing: Dressing | None = None,
     watch: Watch | None = None,
@@ -41,8 +39,8 @@ def dress(
 
     Parameters
     ----------
-    stepper : Newmark on a surface that lies as it will be on the body, with the edge 'waist'
-    contact : Touch whose body is a Wearer that starts from rest
+    stepper : Newmark on a surface that lies as it will be on the body, with the edge 'waist'; its
+        contact is with a Wearer that starts from rest
     tension : float [N], of the belt
     dressing : Dressing or None
     watch : function of (stage, stepper), called every `every` [s] while stages 'pull', 'belt' and
@@ -56,18 +54,19 @@ def dress(
     """
     dressing = Dressing() if dressing is None else dressing
     watch = unwatched if watch is None else watch
-    correction, wearer = contact.correction, contact.correction.body
-    allowed, friction = correction.allowed.copy(), correction.friction
+    contact, wearer = stepper.contact, stepper.contact.body
+    allowed, friction = contact.correction.allowed, contact.friction
+    reach = allowed.copy()
     start = wearer.start - dressing.seconds
-    with borrowed(stepper, contact):
+    with borrowed(stepper):
         stepper.time, stepper.drag = start, dressing.drag
 
         # (a), below the legs, feet left out
         drop = drop_below(stepper.shell.surface, wearer, start)
         stepper.owned[:, 2] -= drop
         stepper.scatter()
-        correction.allowed &= ~feet(wearer)
-        correction.friction = dressing.slip
+        allowed &= ~feet(wearer)
+        contact.friction = dressing.slip
         watch("below", stepper)
 
         # (b), up over legs and hips
@@ -76,12 +75,12 @@ def dress(
         watch("up", stepper)
 
         # (c) and (d)
-        correction.allowed[:] = allowed
-        correction.friction = friction
-        belt = Belt(stepper, "waist")
+        allowed[:] = reach
+        contact.friction = friction
+        belt = stepper.add(Belt("waist"))
         _change_hands(stepper, belt, hands, tension, dressing, watch)
         watch("belted", stepper)
-        report = settle(stepper, contact, belt, dressing, watch, every)
+        report = settle(stepper, belt, dressing, watch, every)
     before = dressing.pull + dressing.belt + dressing.release
     return belt, {"seconds": before + report.pop("seconds")} | report
 
@@ -106,7 +105,7 @@ def _hands(stepper: Newmark, dressing: Dressing, places: Callable) -> Hands:
     """Hands on the waist, damped by half of what is critical for a node of mean mass."""
     mass = stepper.shell.comm.allreduce(stepper.mass.sum()) / len(stepper.shell.surface.points)
     damping = 0.5 * np.sqrt(dressing.grip * mass)
-    return Hands(stepper, "waist", places, dressing.grip, damping)
+    return stepper.add(Hands("waist", places, dressing.grip, damping))
 
 
 def _change_hands(
@@ -123,7 +122,7 @@ def _change_hands(
 
     advance_watched(stepper, begin + dressing.belt + dressing.release, 0.01, tighten)
     belt.tension = tension
-    stepper.pulls.remove(hands)
+    stepper.remove(hands)
 
 
 def _lift(start: float, seconds: float, height: float) -> Callable:

@@ -4,7 +4,6 @@
 import numpy as np
 
 from meshes import Surface
-from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 
 from .belt import Belt, Ring
@@ -12,7 +11,7 @@ from .belt import Belt, Ring
 AWAY = 2  # cells from the waist that count as the belt's
 
 
-def fit(stepper: Newmark, contact: Touch, belt: Belt) -> dict:
+def fit(stepper: Newmark, belt: Belt) -> dict:
     """How the garment sits: depth in the body, stretch, what the belt does; on all ranks.
 
     `belt_tension` is measured by what holds against it: a cable presses with its tension times the
@@ -20,9 +19,9 @@ def fit(stepper: Newmark, contact: Touch, belt: Belt) -> dict:
     which is `belt_pressed` by itself, and that of the cloth, which is gathered and resists.
     `stretch` is the largest `elongation` of the cloth along a cell edge farther from the waist.
     """
-    shell, correction = stepper.shell, contact.correction
+    shell, contact = stepper.shell, stepper.contact
     comm, surface = shell.comm, shell.surface
-    correction.reset()
+    contact.reset()
     # drag of the air would take dt/2 of its rate off the contact forces
     drag, stepper.drag = stepper.drag, 0.0
     stepper.advance(stepper.time + 200 * stepper.dt)
@@ -30,7 +29,7 @@ def fit(stepper: Newmark, contact: Touch, belt: Belt) -> dict:
     ring = Ring(stepper, "waist")
     x = ring.look(stepper)
     body, cloth = np.zeros((2, *x.shape))
-    body[ring.mine] = (correction.window.impulse / correction.window.seconds)[ring.own]
+    body[ring.mine] = (contact.window.impulse / contact.window.seconds)[ring.own]
     cloth[ring.mine] = -stepper.internal_force()[ring.own, :3]
     along = np.roll(x, -1, axis=0) - x
     along /= np.linalg.norm(along, axis=1)[:, None]
@@ -41,12 +40,12 @@ def fit(stepper: Newmark, contact: Touch, belt: Belt) -> dict:
         float(np.sum(comm.allreduce(force) * outward) / size.sum()) for force in (body, cloth)
     )
     return {
-        "depth": max(comm.allgather(max(correction.max_depth, 0.0))),
+        "depth": max(comm.allgather(max(contact.max_depth, 0.0))),
         "stretch": float(elongation(shell.positions(), shell.directors(), surface).max()),
         "belt_asked": belt.tension,
         "belt_tension": pressed + resisted,
         "belt_pressed": pressed,
-        "pinched": comm.allreduce(correction.pinched),
+        "pinched": comm.allreduce(contact.pinched),
     }
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
@@ -44,11 +43,10 @@ def save(path: str | Path, stepper: Newmark, wearer: Wearer) -> None:
 def put_on(
     path: str | Path,
     stepper: Newmark,
-    contact: Touch,
     tension: float,
     dressing: Dressing | None = None,
 ) -> tuple[Belt, dict]:
-    """Put on the garment of a file and let it settle on the wearer that `contact` has.
+    """Put on the garment of a file and let it settle on the wearer in contact.
 
     Returns
     -------
@@ -68,13 +66,13 @@ def put_on(
             f"{path} is of a garment with {len(state.get('positions', ()))} nodes; "
             f"{surface.source} has {n}: dress anew, without it"
         )
-    middle, axes = _axes(contact.correction.body)
-    with borrowed(stepper, contact):
+    middle, axes = _axes(stepper.contact.body)
+    with borrowed(stepper):
         stepper.owned[:, :3] = middle + state["positions"][own] @ axes - stepper.points
         stepper.owned[:, 3:] = state["directors"][own] @ axes
         stepper.v[:], stepper.q[:] = 0.0, 0.0
         stepper.scatter()
-        return settle_again(stepper, contact, tension, dressing)
+        return settle_again(stepper, tension, dressing)
 
 
 def _axes(wearer: Wearer) -> tuple[np.ndarray, np.ndarray]:

@@ -4,27 +4,27 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.state import State
 
 
 @contextmanager
-def borrowed(stepper: Newmark, contact: Touch) -> Iterator[None]:
+def borrowed(stepper: Newmark) -> Iterator[None]:
     """Lend a stepper's settings to a block.
 
     Drag [1/s], friction and the ellipsoids that nodes may meet are afterwards what they were. After
-    an error the sheet, its clock and what pulls at it are so too.
+    an error the sheet, its clock and the forces applied to it are so too.
     """
-    correction, pulls = contact.correction, list(stepper.pulls)
-    drag, friction, allowed = stepper.drag, correction.friction, correction.allowed.copy()
+    contact, forces = stepper.contact, list(stepper.applied_forces)
+    allowed = contact.correction.allowed
+    drag, friction, reach = stepper.drag, contact.friction, allowed.copy()
     before = State(stepper).keep()
     try:
         yield
     except BaseException:
         before.restore()
-        stepper.pulls[:] = pulls
+        stepper.applied_forces[:] = forces
         raise
     finally:
-        stepper.drag, correction.friction = drag, friction
-        correction.allowed[:] = allowed
+        stepper.drag, contact.friction = drag, friction
+        allowed[:] = reach

@@ -9,7 +9,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dynamics.explicit import Newmark
 
 from .belt import Belt
@@ -22,7 +21,6 @@ AT_LEAST = 0.1  # s, that cloth is given to find the body it now lies on
 
 def settle(
     stepper: Newmark,
-    contact: Touch,
     belt: Belt,
     dressing: Dressing,
     watch: Watch = unwatched,
@@ -34,22 +32,20 @@ def settle(
     -------
     dict: `seconds` it took, root mean square `speed` [m/s], whether `settled`, figures of `fit`
     """
-    end, begin = contact.correction.body.start, stepper.time
+    end, begin = stepper.contact.body.start, stepper.time
     stepper.drag = dressing.drag
     while stepper.time < end - 1e-9 and speed(stepper) > dressing.quiet:
         advance_watched(
             stepper, min(stepper.time + 0.1, end), every, lambda: watch("settle", stepper)
         )
     report = {"seconds": stepper.time - begin, "speed": speed(stepper)}
-    report |= {"settled": report["speed"] <= dressing.quiet} | fit(stepper, contact, belt)
+    report |= {"settled": report["speed"] <= dressing.quiet} | fit(stepper, belt)
     stepper.time = end
     watch("settled", stepper)
     return report
 
 
-def settle_again(
-    stepper: Newmark, contact: Touch, tension: float, dressing: Dressing
-) -> tuple[Belt, dict]:
+def settle_again(stepper: Newmark, tension: float, dressing: Dressing) -> tuple[Belt, dict]:
     """Hold cloth that lies on the wearer by a belt of `tension` [N], and let it settle there.
 
     It is given AT_LEAST seconds, which the report's `seconds` leave out, as neither the body nor
@@ -59,11 +55,11 @@ def settle_again(
     -------
     belt : Belt, which stays; report : of `settle`
     """
-    with borrowed(stepper, contact):
-        stepper.time = contact.correction.body.start - dressing.settle
-        belt = Belt(stepper, "waist", tension)
+    with borrowed(stepper):
+        stepper.time = stepper.contact.body.start - dressing.settle
+        belt = stepper.add(Belt("waist", tension))
         stepper.advance(stepper.time + AT_LEAST)
-        return belt, settle(stepper, contact, belt, dressing)
+        return belt, settle(stepper, belt, dressing)
 
 
 def speed(stepper: Newmark) -> float:

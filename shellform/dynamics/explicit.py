@@ -5,7 +5,7 @@ Explicit (beta = 0, gamma = 1/2): lumped mass, central differences with velociti
 
     v(n+1/2) = v(n-1/2) + dt M^-1 (f_ext - f_int(x_n)),   x(n+1) = x(n) + dt v(n+1/2),
 
-which is Newmark's method written without accelerations. Hooks (contact) see the free velocities
+which is Newmark's method written without accelerations. Parts (contact) see the free velocities
 between the two lines and correct them in place.
 
 Damping, both off by default: `damping` [s] adds to the stress that of the strains' rates times this
@@ -24,6 +24,7 @@ from shellform.fem.lumped_mass import ROTARY_SCALE
 
 from . import explicit_kernels
 from .explicit_supports import conditions, follow
+from .part import AppliedForce, Part
 from .stable_step import stable_step
 from .step_retry import Rewind
 from .time_stepper import Stepper, check_time
@@ -36,16 +37,14 @@ class Newmark(Stepper):
 
     Parameters
     ----------
-    shell, hooks, rotary_scale, prefix : see Stepper
+    shell, rotary_scale, prefix : see Stepper
     time_step_factor : float, of the largest stable step
     damping : float [s]; drag : float [1/s]
 
     Attributes
     ----------
     v, q : velocities at the last half step
-    pulls : list of callables (stepper, force), run at every kick and whenever velocities are asked
-        for, with positions and `time` of the kick: they add forces that depend on them to `force`
-        (n_owned, 3) [N] and change nothing else. Booked as external.
+    applied_forces : list of AppliedForce, see part.py
     work : dict of sums [J] on this rank to the last half step: internal, external, drag (lost),
         support, damping (lost, see `balance`)
     external_total, support_total, drag_total : (3,) float, impulses of loads, supports and drag on
@@ -65,14 +64,13 @@ class Newmark(Stepper):
         self,
         shell,
         time_step_factor=0.9,
-        hooks=(),
         damping=0.0,
         drag=0.0,
         rotary_scale=ROTARY_SCALE,
         prefix="shell_",
     ):
         check_settings(time_step_factor, damping, drag)
-        super().__init__(shell, hooks, rotary_scale, prefix)
+        super().__init__(shell, rotary_scale, prefix)
         self._field = shell.w if not damping else fem.Function(shell.space)
         self._ahead = self._field.x.array.reshape(-1, 6)
         self._set_supports()
@@ -85,7 +83,8 @@ class Newmark(Stepper):
         self.internal, self.factor = internal, time_step_factor
         self.damping, self.drag = damping, drag
         self.force, self.support_impulse = np.zeros((n, 3)), np.zeros((n, 3))
-        self._steady, self.pulls, self._pulled = loads.steady(), [], False
+        self._steady, self._applied = loads.steady(), False
+        self.applied_forces: list[AppliedForce] = []
         self._dead = loads.force_at(0.0, self.force, default=1.0).copy()
         self.totals, self.works = np.zeros((3, 3)), np.zeros(5)
         self.external_total, self.support_total, self.drag_total = self.totals
@@ -98,6 +97,17 @@ class Newmark(Stepper):
         # motion far below what any step resolves: energies below this are not judged
         speed = 1e-6 * self.shell.surface.mean_cell_size / self.critical_dt
         self.smallest_energy = 0.5 * self.shell.comm.allreduce(self.mass.sum()) * speed**2
+
+    def add_applied_force(self, part: AppliedForce) -> None:
+        """Let forces that depend on the motion push the nodes from now on."""
+        self.applied_forces.append(part)
+
+    def remove(self, part: Part) -> None:
+        """Let a part run no longer."""
+        if isinstance(part, AppliedForce):
+            self.applied_forces.remove(part)
+        else:
+            super().remove(part)
 
     def _set_supports(self):
         supports = self.shell.supports
@@ -132,9 +142,9 @@ class Newmark(Stepper):
         np.copyto(self.v_old, self.v)
         self._next, length = dt, 0.5 * (self.last_dt + dt)
         self.kick(length)
-        for hook in self.hooks:
+        for part in self.parts:
             try:
-                hook(self, dt)
+                part(self, dt)
             except FloatingPointError as fault:
                 self.fault = str(fault)  # other ranks learn of it at the next `check`
         self._book(length)
@@ -207,11 +217,11 @@ class Newmark(Stepper):
         if not self._steady:
             self.force[:] = 0.0
             self.shell.loads.force_at(self.time, self.force, default=1.0)
-        elif self.pulls or self._pulled:
+        elif self.applied_forces or self._applied:
             np.copyto(self.force, self._dead)
-        for pull in self.pulls:
-            pull(self, self.force)
-        self._pulled = bool(self.pulls)
+        for part in self.applied_forces:
+            part.add_force(self, self.force)
+        self._applied = bool(self.applied_forces)
 
     def internal_force(self):
         """Internal forces (n_owned, 6) [N, N m] at present, damped, less those of pressure."""

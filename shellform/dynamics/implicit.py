@@ -52,11 +52,12 @@ class ImplicitNewmark(Stepper):
         beta >= (gamma + 1/2)^2/4; None takes that value, gamma = 1/2 - alpha
     tolerance : float [m], truncation error allowed a step; None: dt changes with failures and
         Newton iterations only
-    hooks : callables (stepper, dt), run after each step that has been solved, with positions,
-        velocities and `time` at its end. They may look at everything and change `v` and `q` of
-        free nodes (an impulse), not positions. Contact is implicit_contact.ImplicitTouch.
     alpha : float, -1/3 to 0, damping of the modes that steps do not resolve
     drag : float [1/s], decay of all velocities as in still air, applied before each step
+
+    Parts run after each step that has been solved, with positions, velocities and `time` at its
+    end. They may look at everything and change `v` and `q` of free nodes (an impulse), not
+    positions.
 
     Attributes
     ----------
@@ -72,11 +73,12 @@ class ImplicitNewmark(Stepper):
     ValueError for a step, alpha, beta or gamma out of range, or a prescribed motion without time
     """
 
+    implicit = True
     smallest = 1e-6  # part of the largest step below which a step has failed for good
     instant = 1.0  # part of the step at whose end it is solved
 
     def __init__(
-        self, shell, dt, beta=None, gamma=None, tolerance=None, hooks=(), rotary_scale=0.0,
+        self, shell, dt, beta=None, gamma=None, tolerance=None, rotary_scale=0.0,
         prefix="shell_", alpha=0.0, drag=0.0,
     ):  # fmt: skip
         if not -1 / 3 <= alpha <= 0:
@@ -98,14 +100,14 @@ class ImplicitNewmark(Stepper):
         if shell.supports.steady_goals():
             raise ValueError("in dynamics a prescribed displacement is a function of time")
         self.equilibrium = Inertial(shell)
-        super().__init__(shell, hooks, rotary_scale, prefix)
+        super().__init__(shell, rotary_scale, prefix)
         self.equilibrium.load_factor = 1.0
         self.newton = Newton(self.equilibrium, prefix)
         self.beta, self.gamma, self.alpha, self.drag = beta, gamma, alpha, drag
         self.tolerance = tolerance
         self.dt = self.largest_dt = dt
         self._mass6 = np.repeat(np.column_stack([self.mass, self.inertia]), 3, axis=1)
-        self.a, self.contact = None, None
+        self.a = None
         self.newton_iterations = self.cutbacks = self.solves = 0
         self.last_dt = 0.0
         self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
@@ -119,7 +121,7 @@ class ImplicitNewmark(Stepper):
         return np.column_stack([held[:, :3], held[:, 3] & held[:, 4]])
 
     def check_step(self):
-        """Take over positions, velocities and time set from outside (particles.hand_over)."""
+        """Take over positions, velocities and time set from outside (mass_spring.hand_over)."""
         self.a = None
 
     def velocities(self):
@@ -169,8 +171,8 @@ class ImplicitNewmark(Stepper):
         self._finish(old, force, outer, dt)
         self.newton_iterations += done[0]
         self.time, self.steps = self.time + dt, self.steps + 1
-        for hook in self.hooks:
-            hook(self, dt)
+        for part in self.parts:
+            part(self, dt)
         self.check_finite(self.owned.sum() + self.v.sum() + self.q.sum(), dt)
         self._choose_step(dt, error, done[1])
         return True

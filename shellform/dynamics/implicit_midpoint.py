@@ -29,7 +29,7 @@ class ImplicitMidpoint(ImplicitNewmark):
 
     Parameters
     ----------
-    shell, dt, tolerance, hooks, prefix, drag : see ImplicitNewmark
+    shell, dt, tolerance, prefix, drag : see ImplicitNewmark
     rotary_scale : float, see inertia.py; that of explicit steps by default, see above
 
     Attributes and errors as there; `a` is that of the middle of the last step.
@@ -42,12 +42,11 @@ class ImplicitMidpoint(ImplicitNewmark):
         shell,
         dt,
         tolerance=None,
-        hooks=(),
         rotary_scale=ROTARY_SCALE,
         prefix="shell_",
         drag=0.0,
     ):
-        super().__init__(shell, dt, 0.25, 0.5, tolerance, hooks, rotary_scale, prefix, drag=drag)
+        super().__init__(shell, dt, 0.25, 0.5, tolerance, rotary_scale, prefix, drag=drag)
 
     def _predict(self, old, dt):
         eq, velocity = self.equilibrium, slowed(self, dt)

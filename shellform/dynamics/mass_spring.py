@@ -4,7 +4,7 @@
 The steps are those of newmark.py, of which symplectic Euler is another writing (velocities at half
 steps, the first kick half as long); the forces come from springs.py. Provot's limit (Proc. Graphics
 Interface, 1995) shortens structural and shear springs that would end a step beyond it, before the
-hooks see the velocities, so that contact has the last word. The impulses go along the spring by
+parts see the velocities, so that contact has the last word. The impulses go along the spring by
 inverse masses: momentum is kept, angular momentum to the turn of the spring in a step.
 
 Directors are the surface's normals, brought up to date at output.
@@ -78,7 +78,7 @@ class Particles(Newmark):
     """
 
     def __init__(
-        self, shell, time_step_factor=0.9, hooks=(), damping=0.0, drag=0.0, *, bending="flexion",
+        self, shell, time_step_factor=0.9, damping=0.0, drag=0.0, *, bending="flexion",
         curvature=None, strain_limit=None, limit_slack=5e-3, limit_sweeps=100, prefix="particles_",
     ):  # fmt: skip
         if shell.comm.size > 1:
@@ -97,7 +97,7 @@ class Particles(Newmark):
         points = np.ascontiguousarray(partition.surface.points[partition.owned_nodes])
         springs = Springs(shell.surface, self._cells, points, shell.fabric, bending, curvature)
         # not Newmark's own start, which compiles the shell's force
-        Stepper.__init__(self, shell, hooks, 0.0, prefix)
+        Stepper.__init__(self, shell, 0.0, prefix)
         self._shift = np.zeros((self.n_owned, 3))
         self._set_supports()
         self.held[:, 3], self.plane[:] = True, 0.0
@@ -176,12 +176,12 @@ class Particles(Newmark):
         return N, rate
 
 
-def hand_over(particles, newmark, touch=None, to=None):
+def hand_over(particles, newmark):
     """Give positions, velocities and time to a Newmark stepper of the same surface.
 
-    `touch` and `to` are their contacts (Touch) or None: what is touched is handed over too.
-    Directors and their rates are those of the surface's normals; held directors go back to rest,
-    as particles know none and let them follow the normals.
+    Where both have a contact, what is touched is handed over too. Directors and their rates are
+    those of the surface's normals; held directors go back to rest, as particles know none and let
+    them follow the normals.
     """
     v, _ = particles.velocities()
     d, q = particles._normals(v)
@@ -194,5 +194,5 @@ def hand_over(particles, newmark, touch=None, to=None):
     newmark.time, newmark.last_dt = particles.time, 0.0
     newmark.scatter()
     newmark.check_step()
-    if touch is not None and to is not None:
-        to.restore(touch.state())
+    if particles.contact is not None and newmark.contact is not None:
+        newmark.contact.set_touched(particles.contact.touched())

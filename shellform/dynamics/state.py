@@ -23,10 +23,7 @@ def set_clock(stepper, numbers):
 
 
 class State:
-    """A copy of all that explicit steps change, made once and written over at each `keep`.
-
-    Hooks and pulls that have `state()` and `restore(state)` are kept too.
-    """
+    """A copy of all that explicit steps change, made once and written over at each `keep`."""
 
     def __init__(self, stepper):
         self._stepper = stepper
@@ -39,8 +36,7 @@ class State:
             np.copyto(copy, array)
         stepper = self._stepper
         self.clock = clock(stepper)
-        self._others = [(one, one.state()) for one in _others(stepper)]
-        self._windows = [(c, _window(c)) for c in corrections(stepper)]
+        self._parts = [(part, part.state()) for part in (*stepper.parts, *stepper.applied_forces)]
         return self
 
     def restore(self):
@@ -48,28 +44,5 @@ class State:
         for copy, array in zip(self._copies, self._arrays, strict=True):
             np.copyto(array, copy)
         set_clock(self._stepper, self.clock)
-        for one, state in self._others:
-            one.restore(state)
-        for correction, (impulse, table, seconds) in self._windows:
-            window = correction.window
-            window.impulse[:], window.table[:], window.seconds = impulse, table, seconds
-
-
-def corrections(stepper):
-    """The contact corrections of a stepper's hooks."""
-    return [hook.correction for hook in stepper.hooks if hasattr(hook, "correction")]
-
-
-def _others(stepper):
-    """Objects with a state of their own: hooks, pulls and, where a hook has none, its contact."""
-    found = []
-    for one in (*stepper.hooks, *stepper.pulls):
-        one = one if hasattr(one, "state") else getattr(one, "correction", None)
-        if hasattr(one, "state") and hasattr(one, "restore"):
-            found.append(one)
-    return found
-
-
-def _window(correction):
-    window = correction.window
-    return window.impulse.copy(), window.table.copy(), window.seconds
+        for part, state in self._parts:
+            part.restore(state)

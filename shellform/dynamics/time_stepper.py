@@ -5,6 +5,9 @@ The TS is of Python type, so -shell_ts_monitor, -shell_ts_max_steps, ... act. It
 nodal field w, brought up to date at the end of each `advance`.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -13,6 +16,7 @@ from shellform.errors import Unstable
 from shellform.fem.lumped_mass import lumped
 
 from . import explicit_kernels
+from .part import AppliedForce, Attachable, Function, Part, RunningContact
 
 
 class Stepper:
@@ -21,7 +25,6 @@ class Stepper:
     Parameters
     ----------
     shell : Shell, with supports and loads complete; starts from its present state, at rest
-    hooks : callables (stepper, dt), run with the free velocities in `v` before nodes move
     rotary_scale : float, see inertia.py
     prefix : str, of the TS options
 
@@ -32,10 +35,16 @@ class Stepper:
     mass, inertia : (n_owned,) [kg, kg m^2]; points : (n_owned, 3), reference positions [m]
     v_old : (n_owned, 3) or None, node velocities before the last kick
     time, dt : float [s]; steps : int
+    parts : list of Part, in the order of their turns in a step, see `add`
+    contact : RunningContact or None, the one among them
     """
 
-    def __init__(self, shell, hooks, rotary_scale, prefix):
-        self.shell, self.hooks = shell, list(hooks)
+    implicit = False
+
+    def __init__(self, shell, rotary_scale, prefix):
+        self.shell = shell
+        self.parts: list[Part] = []
+        self.contact: RunningContact | None = None
         partition, n = shell.partition, shell.partition.n_owned
         self.n_owned = n
         shell.supports.frozen = True
@@ -59,8 +68,46 @@ class Stepper:
         self.ts.setSolution(self._ts_vector)
         self.ts.setFromOptions()
 
+    def add(self, part: Attachable | Callable[[Any, float], object]) -> Any:
+        """Let a part run with the steps, see part.py; returns the running part.
+
+        Raises
+        ------
+        TypeError for what is no part; ValueError as the part's `attach` does
+        """
+        if isinstance(part, Attachable):
+            return part.attach(self)
+        if not callable(part):
+            raise TypeError(
+                f"a stepper takes parts, as Contact(body), and functions of (stepper, dt), "
+                f"not {part!r}"
+            )
+        return Function(part).attach(self)
+
+    def remove(self, part: Part) -> None:
+        """Let a part run no longer."""
+        self.parts.remove(part)
+
+    def set_contact(self, contact: RunningContact) -> None:
+        """Take over a contact; ValueError if there is one, or if its books came first."""
+        if self.contact is not None:
+            raise ValueError("this stepper has a body already; give all segments to one Body")
+        for part in self.parts:
+            if part.books_contact:
+                raise ValueError(
+                    f"add the contact before {type(part).__name__}, which books what it does"
+                )
+        self.contact = contact
+
+    def add_applied_force(self, part: AppliedForce) -> None:
+        """ValueError: only explicit steps take forces that depend on the motion."""
+        raise ValueError(
+            f"{type(part).__name__} pushes nodes by where they are and how they move: explicit "
+            "steps only, take Newmark"
+        )
+
     def keep_old_velocities(self):
-        """Keep the velocities of the step before in `v_old`, for hooks that book work."""
+        """Keep the velocities of the step before in `v_old`, for parts that book work."""
         if self.v_old is None:
             self.v_old = self.v.copy()
 

@@ -14,10 +14,15 @@ is reported is the mean over a window between two records, without any other fil
 
 import csv
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 
 from contact.kernel import kernel
+from shellform.contact_coupling.contact import require_contact
+from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import Part
+from shellform.motion.wearer import Wearer
 
 from .files import write_atomically
 
@@ -54,15 +59,14 @@ def add_torque(table, centres, counts, joints, axes, spins, total):
             total[j, 4] += moment[c] * spins[j, c]
 
 
-class Torque:
-    """Hook behind a `Touch`: joint torques of every step, averaged between records.
+class Torque(Part):
+    """Joint torques of every step, averaged between records; the body in contact is a Wearer.
 
     Parameters
     ----------
-    touch : Touch whose body is a `shellform.motion.wearer.Wearer`
+    path : CSV file for the rows, written by rank 0, or None
     parts : 'distal', all ellipsoids below a joint; 'child', those of the segment just below; or a
         dict, joint -> names of ellipsoids
-    path : CSV file for the rows, written by rank 0, or None
     resumed : state of a run that is gone on with, see `saved`; rows up to its time stay in the file
 
     Attributes
@@ -72,32 +76,50 @@ class Torque:
 
     Raises
     ------
-    ValueError for an unknown joint, ellipsoid or kind of parts
+    ValueError, when it is added, for a stepper whose contact is none with a Wearer, for an unknown
+    joint, ellipsoid or kind of parts
     """
 
-    def __init__(self, touch, stepper, parts="distal", path=None, resumed=None):
-        wearer = touch.correction.body
-        self.touch, self.wearer, self.joints = touch, wearer, wearer.joints
-        self.parts = chosen_parts(wearer, parts)
+    books_contact = True
+
+    def __init__(
+        self,
+        path: str | Path | None = None,
+        parts: str | dict[str, list[str]] = "distal",
+        resumed: dict[str, Any] | None = None,
+    ) -> None:
+        self.path, self._asked, self._resumed = path, parts, resumed
+        self.rows: list[dict[str, Any]] = []
+
+    def attach(self, stepper: Newmark) -> Self:
+        """Begin to add up the torques of a stepper's contact."""
+        self.contact = require_contact(stepper, "torque about the joints")
+        wearer = self.contact.body
+        if not isinstance(wearer, Wearer):
+            raise ValueError(
+                f"torque acts about the joints of a Wearer; the body in contact is a "
+                f"{type(wearer).__name__} of {', '.join(wearer.names)}: give Contact a Wearer"
+            )
+        self.wearer, self.joints = wearer, wearer.joints
+        self.parts = chosen_parts(wearer, self._asked)
         self.counts = np.array(
             [[name in self.parts[joint] for name in wearer.names] for joint in self.joints]
         ).reshape(len(self.joints), len(wearer.names))
         self.total, self.seconds = np.zeros((len(self.joints), 5)), 0.0
         self._joints, self._comm = wearer.new_joints(), stepper.shell.comm
-        self.rows = []
-        self.path = None if path is None or self._comm.rank else Path(path)
-        if resumed is not None:
-            self.rows = rows_until(path, stepper.time)
-            self.total[:] = resumed["torque"] if self._comm.rank == 0 else 0.0
-            self.seconds = float(resumed["torque_seconds"])
-        if self.path:
-            write_atomically(self.path, ",".join(COLUMNS) + "\n" + "".join(map(line, self.rows)))
-        stepper.hooks.append(self)
+        self._file = None if self.path is None or self._comm.rank else Path(self.path)
+        if self._resumed is not None:
+            if self.path is not None:
+                self.rows = rows_until(self.path, stepper.time)
+            self.total[:] = self._resumed["torque"] if self._comm.rank == 0 else 0.0
+            self.seconds = float(self._resumed["torque_seconds"])
+        if self._file:
+            write_atomically(self._file, ",".join(COLUMNS) + "\n" + "".join(map(line, self.rows)))
+        return super().attach(stepper)
 
-    def __call__(self, stepper, dt):
-        correction = self.touch.correction
+    def __call__(self, stepper: Newmark, dt: float) -> None:
         now = self.wearer.joint_state(stepper.time, self._joints)
-        centres, table = correction.start_pose.centres, correction.last.table
+        centres, table = self.contact.start_pose.centres, self.contact.last.table
         add_torque(table, centres, self.counts, *now, self.total)
         self.seconds += dt
 
@@ -110,8 +132,8 @@ class Torque:
         ]
         self.rows += rows
         self.total[:], self.seconds = 0.0, 0.0
-        if self.path:
-            with open(self.path, "a") as file:
+        if self._file:
+            with open(self._file, "a") as file:
                 file.write("".join(line(row) for row in rows))
         return rows
 

@@ -20,7 +20,6 @@ from shellform.fem.shell import Shell
 
 if TYPE_CHECKING:
     # a static run loads no stepper
-    from shellform.contact_coupling.explicit_contact import Touch
     from shellform.dynamics.explicit import Newmark
 
 from .files import write_atomically
@@ -64,11 +63,10 @@ class Report:
         self,
         shell: Shell,
         stepper: Newmark | None = None,
-        contact: Touch | None = None,
         /,
         **plan: Any,
     ) -> None:
-        """Enter sizes and terms of a shell, its stepper and contact, and what else is planned."""
+        """Enter sizes and terms of a shell, of its stepper if any, and what else is planned."""
         surface = shell.surface
         held = shell.comm.allreduce(int(shell.supports.held[: shell.partition.n_owned].sum()))
         self.summary |= {
@@ -76,7 +74,7 @@ class Report:
             "nodes": len(surface.points),
             "dofs": 5 * len(surface.points) - held,
         }
-        self.summary["plan"] |= modelled(shell, stepper, contact) | plan
+        self.summary["plan"] |= modelled(shell, stepper) | plan
 
     def write(self, results: dict, **entries: Any) -> None:
         """Write summary.json with the results of the run."""
@@ -95,19 +93,21 @@ class Report:
             write_atomically(self.folder / "summary.json", text + "\n")
 
 
-def modelled(shell: Shell, stepper: Newmark | None = None, contact: Touch | None = None) -> dict:
+def modelled(shell: Shell, stepper: Newmark | None = None) -> dict:
     """Plan of a run that has no scene: of a shell at rest, or with its explicit steps and contact.
 
     Keys are those of simulation/plan.py; what is not computed is not in it.
     """
     plan = shell.plan()
+    contact = None
     if stepper is not None:
+        contact = stepper.contact
         plan["terms"] += ["inertia", "rotary inertia"]
         damped = {"drag": stepper.drag, "damping": stepper.damping}
         plan["terms"] += [name for name, value in damped.items() if value]
     if contact is not None:
-        plan["contact"] = list(contact.correction.body.names)
-        friction = contact.correction.friction
+        plan["contact"] = list(contact.body.names)
+        friction = contact.friction
         if friction[0] > 0:
             plan["friction"] = list(friction)
     return plan

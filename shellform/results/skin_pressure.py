@@ -15,13 +15,16 @@ Impulses add up over a window between two records. Ranks are added together at a
 
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from contact.geometry.ellipsoid import foot_and_normal
 from contact.geometry.surface_patches import Patches, four_nearest
 from contact.kernel import kernel
+from shellform.contact_coupling.contact import require_contact
+from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import Part
 
 NORMAL, RUBBED, COVERED, BOOKED = 0, 1, 2, 3
 
@@ -95,12 +98,11 @@ class Map(NamedTuple):
     seconds: float
 
 
-class Pressure:
-    """Hook behind a `Touch`: pressure of every step on the body's patches, averaged.
+class Pressure(Part):
+    """Pressure of every step on the patches of the body in contact, averaged between records.
 
     Parameters
     ----------
-    touch : Touch, contact at nodes; stepper : its stepper
     size : float, side of a patch [m]
     resumed : state of a run that is gone on with, see `saved`
 
@@ -110,17 +112,24 @@ class Pressure:
 
     Raises
     ------
-    ValueError for contact inside cells, patches without a size, a state of other patches
+    ValueError, when it is added, for no contact or one inside cells, patches without a size, a
+    state of other patches
     """
 
-    def __init__(self, touch, stepper, size=0.03, resumed=None):
-        if touch.inner is not None:
+    books_contact = True
+
+    def __init__(self, size: float = 0.03, resumed: dict[str, Any] | None = None) -> None:
+        self.size, self._resumed = size, resumed
+
+    def attach(self, stepper: Newmark) -> Self:
+        """Begin to add up the pressure of a stepper's contact."""
+        self.contact = require_contact(stepper, "a pressure map")
+        if self.contact.inner is not None:
             raise ValueError(
                 "a pressure map is made of contact at nodes: leave out the samples inside cells"
             )
-        correction = touch.correction
-        self.touch, self.names = touch, correction.body.names
-        self.patches = patches = Patches(correction.body.radii, size)
+        self.names = self.contact.body.names
+        self.patches = patches = Patches(self.contact.body.radii, self.size)
         self._areal_mass, self._comm = stepper.shell.fabric.areal_mass, stepper.shell.comm
         P = len(patches.areas)
         self.total, self.seconds = np.zeros((P, BOOKED)), 0.0
@@ -128,15 +137,14 @@ class Pressure:
         self._sums, self._whole = np.zeros((P, BOOKED)), 0.0
         self._peak, self._peak_time = np.zeros(P), np.full(P, np.nan)
         self._which, self._weights = np.zeros(4, np.int64), np.zeros(4)
-        if resumed is not None:
-            self._resume(resumed)
-        stepper.hooks.append(self)
+        if self._resumed is not None:
+            self._resume(self._resumed)
+        return super().attach(stepper)
 
-    def __call__(self, stepper, dt):
-        correction = self.touch.correction
-        pose = correction.start_pose
+    def __call__(self, stepper: Newmark, dt: float) -> None:
+        contact, pose = self.contact, self.contact.start_pose
         add_pressure(
-            stepper.points, stepper.owned, correction.segment, correction.last.impulse,
+            stepper.points, stepper.owned, contact.segment, contact.last.impulse,
             stepper.mass, dt, pose.centres, pose.axes, *self.patches.tables, self._which,
             self._weights, self.total,
         )  # fmt: skip

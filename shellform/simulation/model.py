@@ -5,13 +5,14 @@ from collections.abc import Callable
 
 from mpi4py import MPI
 
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dressing.belt import Belt
 from shellform.dressing.dress import dress
 from shellform.dressing.procedure import Dressing
 from shellform.dressing.saved_state import put_on
 from shellform.dressing.settle import AT_LEAST, settle_again
 from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import RunningContact
 from shellform.fem.shell import Shell
 from shellform.scene.garment import garment_of
 from shellform.scene.reach import reach_of
@@ -49,16 +50,16 @@ class Model:
         self.contact = self._meet(self.stepper)
         self.belt: Belt | None = None
 
-    def _meet(self, stepper: Newmark) -> Touch:
+    def _meet(self, stepper: Newmark) -> RunningContact:
         """Contact of a stepper's nodes with those ellipsoids that each can come to."""
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
         friction = contact.friction
         if contact.kinetic_friction is not None:
             friction = (friction, contact.kinetic_friction)
         soft = {"flesh_stiffness": contact.flesh_stiffness}
-        touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
-        touch.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
-        return touch
+        running = stepper.add(Contact(self.wearer, friction, contact.offset, **soft))
+        running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
+        return running
 
     @property
     def weight(self) -> float:
@@ -73,15 +74,15 @@ class Model:
 
     def put_on(self, path: str) -> dict:
         """Put on the dressed state of a file; returns the report of `dressing.settle.settle`."""
-        self.belt, report = put_on(path, self.stepper, self.contact, self.scene.belt)
+        self.belt, report = put_on(path, self.stepper, self.scene.belt)
         return report
 
     def lay_belt(self) -> None:
         """The belt alone, around cloth whose state comes from a checkpoint."""
-        self.belt = Belt(self.stepper, "waist", self.scene.belt)
+        self.belt = self.stepper.add(Belt("waist", self.scene.belt))
 
     def _dress_shell(self, watch: Callable | None) -> tuple[Belt, dict]:
-        return dress(self.stepper, self.contact, self.scene.belt, watch=watch)
+        return dress(self.stepper, self.scene.belt, watch=watch)
 
     def _dress_springs(self, watch: Callable | None) -> tuple[Belt, dict]:
         """Masses and springs are put on first; the shell bends where they do not: it settles."""
@@ -90,8 +91,8 @@ class Model:
 
         steps = self.scene.steps
         particles = Particles(self.shell, steps.time_step_factor, drag=steps.drag)
-        contact = self._meet(particles)
-        _, first = dress(particles, contact, self.scene.belt, watch=watch)
-        hand_over(particles, self.stepper, contact, self.contact)
-        belt, report = settle_again(self.stepper, self.contact, self.scene.belt, Dressing())
+        self._meet(particles)
+        _, first = dress(particles, self.scene.belt, watch=watch)
+        hand_over(particles, self.stepper)
+        belt, report = settle_again(self.stepper, self.scene.belt, Dressing())
         return belt, report | {"seconds": first["seconds"] + AT_LEAST + report["seconds"]}

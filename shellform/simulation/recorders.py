@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from shellform.contact_coupling.explicit_contact import Touch
 from shellform.dressing.procedure import STAGES
 from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import Part
 from shellform.results.joint_torque import Torque
 from shellform.results.ledger import Ledger
 from shellform.results.series import Series
@@ -30,17 +30,17 @@ class Recorders:
     """
 
     def __init__(self, model: Model, out: Path, resumed: Mapping | None = None):
-        stepper, contact, output = model.stepper, model.contact, model.scene.output
-        self._window = contact.correction.window
-        self.joints = Torque(contact, stepper, output.parts, out / "torque.csv", resumed)
-        self.ledger = Ledger(out / "ledger.csv", stepper, contact, resumed)
-        self.extremes = Extremes(contact, stepper, resumed)
+        add, output = model.stepper.add, model.scene.output
+        self._window = model.contact.window
+        self.joints: Torque = add(Torque(out / "torque.csv", output.parts, resumed))
+        self.ledger: Ledger = add(Ledger(out / "ledger.csv", resumed))
+        self.extremes: Extremes = add(Extremes(resumed))
         self.skin = None
         if output.pressure:
             # only here: it compiles a kernel of its own
             from shellform.results.skin_pressure import Pressure
 
-            self.skin = Pressure(contact, stepper, output.pressure, resumed)
+            self.skin = add(Pressure(output.pressure, resumed))
 
     def record(self, time: float) -> np.ndarray:
         """Rows of the window that ends at `time` [s]; begins a new one.
@@ -56,27 +56,22 @@ class Recorders:
         self.ledger.record()
         return force
 
-    def saved(self) -> dict:
-        """What a later part of the run needs, for `resumed`; all ranks call."""
-        parts = [self.joints, self.ledger, self.extremes, *([self.skin] if self.skin else [])]
-        return {name: value for part in parts for name, value in part.saved().items()}
 
-
-class Extremes:
-    """Hook: deepest start of a step inside the body, most pinched nodes, how deep they were.
+class Extremes(Part):
+    """Deepest start of a step inside the body, most pinched nodes, how deep they were.
 
     Parameters
     ----------
-    contact : Touch; stepper : Newmark; resumed : state of a checkpoint or None
+    resumed : state of a checkpoint or None
     """
 
-    def __init__(self, contact: Touch, stepper: Newmark, resumed: Mapping | None = None):
-        self.correction, self._comm = contact.correction, stepper.shell.comm
+    books_contact = True
+
+    def __init__(self, resumed: Mapping | None = None) -> None:
         self.values = np.zeros(3) if resumed is None else resumed["extremes"].copy()
-        stepper.hooks.append(self)
 
     def __call__(self, stepper: Newmark, dt: float) -> None:
-        now = self.correction
+        now = stepper.contact
         self.values[0] = max(self.values[0], now.max_depth)
         self.values[1] = max(self.values[1], now.pinched)
         self.values[2] = max(self.values[2], now.pinch_depth)
@@ -91,7 +86,7 @@ class Extremes:
 
     def saved(self) -> dict:
         """Largest values over all ranks, for `resumed`."""
-        return {"extremes": np.max(self._comm.allgather(self.values), axis=0)}
+        return {"extremes": np.max(self.stepper.shell.comm.allgather(self.values), axis=0)}
 
 
 def write_frame(model: Model, series: Series, force: np.ndarray) -> None:

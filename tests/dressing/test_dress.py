@@ -47,7 +47,7 @@ class Dressed(NamedTuple):
     rows: list  # of the ledger, while dressing
     weight: float
     allowed: np.ndarray  # ellipsoids that each node may meet, in the end
-    pulls: int
+    applied_forces: int
 
 
 def held_at_the_waist(model):
@@ -80,7 +80,7 @@ def dressed(fabric):
     model = Model(Scene(fabric=fabric, motion=SHORT), COMM)
     wearer, correction = model.wearer, model.contact.correction
     feet = wearer.mask([f"{side}_foot" for side in SIDES])
-    ledger = Ledger(None, model.stepper, model.contact)
+    ledger = model.stepper.add(Ledger())
     stages, looks, pressed = {}, [], []
 
     def watch(stage, stepper):
@@ -108,7 +108,7 @@ def dressed(fabric):
         ledger.rows,
         model.weight,
         model.shell.partition.gather(correction.allowed[:, None].astype(float))[:, 0],
-        len(model.stepper.pulls),
+        len(model.stepper.applied_forces),
     )
 
 
@@ -214,7 +214,7 @@ def test_settled(fabric):
     state = dressed(fabric)
     assert state.report["settled"] and state.report["speed"] <= 0.01
     assert 1.7 < state.report["seconds"] < 4.7
-    assert state.pulls == 1
+    assert state.applied_forces == 1
     (start, before), (end, after) = state.last
     moved = np.sqrt(np.mean(np.sum((after - before) ** 2, axis=1)))
     assert 0.01 < end - start < 0.1 and moved < 0.01 * (end - start)
@@ -281,9 +281,7 @@ def test_no_belt_costs_nothing(monkeypatch):
 
     monkeypatch.setattr(belt, "add_tension", fails)
     model = Model(Scene(motion=SHORT, belt=0.0), COMM)
-    belts, report = put_on(
-        dressed("compliant").path, model.stepper, model.contact, 0.0, Dressing(settle=0.12)
-    )
+    belts, report = put_on(dressed("compliant").path, model.stepper, 0.0, Dressing(settle=0.12))
     assert report["belt_asked"] == 0.0 and report["belt_tension"] < 2.0
     with pytest.raises(AssertionError, match="a belt"):
         belts.tension = 1.0
@@ -298,3 +296,37 @@ def test_state_of_another_garment(tmp_path):
         model.put_on(state.path)
     with pytest.raises(FileNotFoundError, match=r"nowhere\.npz"):
         model.put_on(tmp_path / "nowhere.npz")
+
+
+def changed_by_dressing(model):
+    """What dressing changes of a stepper and its contact (copies)."""
+    stepper, contact = model.stepper, model.contact
+    arrays = stepper.w, stepper.v, stepper.q, contact.correction.allowed, contact.friction
+    settings = stepper.time, stepper.drag, stepper.steps, *map(id, stepper.applied_forces)
+    return [*(np.array(one) for one in arrays), np.array(settings)]
+
+
+def same(one, other):
+    return [np.array_equal(a, b) for a, b in zip(one, other, strict=True)]
+
+
+@pytest.mark.parametrize("give_up", ["below", "pull"])
+def test_an_error_while_dressing_leaves_everything_as_it_was(give_up):
+    """Shape, clock, drag, friction, the feet, and no hands that go on pulling."""
+    model = Model(Scene(motion=SHORT, garment=Garment(cell_size=0.04)), COMM)
+    before, meanwhile = changed_by_dressing(model), []
+
+    def watch(stage, _):
+        if stage == give_up:
+            meanwhile.append(changed_by_dressing(model)[:5])
+            raise RuntimeError("the wearer walks off")
+
+    with pytest.raises(RuntimeError, match="walks off"):
+        model.dress(watch)
+    assert all(same(before, changed_by_dressing(model)))
+    moving = give_up == "pull"
+    changed = [not one for one in same(before[:5], meanwhile[0])]
+    assert COMM.allreduce(np.array(changed, int)).astype(bool).tolist() == [
+        True, moving, moving, True, True,
+    ]  # fmt: skip
+    assert model.belt is None

@@ -12,7 +12,7 @@ import pytest
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 
@@ -25,7 +25,7 @@ def scene(cells=8, samples="nodes"):
     stepper = Newmark(shell, 0.8, damping=1e-4, drag=0.5)
     stepper.recheck = 50
     limb = Segment("limb", (0.2, 0.3, 0.25), Fixed((0, 0, -0.25)))
-    return stepper, Touch(stepper, Body([limb]), 0.3, samples=samples)
+    return stepper, stepper.add(Contact(Body([limb]), 0.3, samples=samples))
 
 
 def steps(stepper, count):
@@ -45,11 +45,11 @@ def test_goes_on_bit_for_bit(samples, shared_tmp_path, comm):
     stepper, touch = scene(samples=samples)
     stepper.rewind.cut = 0.5
     steps(stepper, 120)
-    checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
+    checkpoint.save(shared_tmp_path / "c.npz", stepper)
     comm.Barrier()
     steps(stepper, 200)
     other, other_touch = scene(samples=samples)
-    checkpoint.load(shared_tmp_path / "c.npz", other, other_touch)
+    checkpoint.load(shared_tmp_path / "c.npz", other)
     assert 0.5 < other.rewind.cut < 0.6  # two good looks later
     steps(other, 200)
     assert other.rewind.cut == stepper.rewind.cut
@@ -64,17 +64,17 @@ def test_goes_on_bit_for_bit(samples, shared_tmp_path, comm):
 
 
 def test_samples_need_their_state(shared_tmp_path, comm):
-    stepper, touch = scene(samples=1)
-    checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
+    stepper, _ = scene(samples=1)
+    checkpoint.save(shared_tmp_path / "c.npz", stepper)
     comm.Barrier()
-    other, other_touch = scene(samples=2)
+    other, _ = scene(samples=2)
     with pytest.raises(ValueError, match="4 samples a cell"):
-        checkpoint.load(shared_tmp_path / "c.npz", other, other_touch)
+        checkpoint.load(shared_tmp_path / "c.npz", other)
 
 
 def test_another_surface_is_refused(shared_tmp_path, comm):
-    stepper, touch = scene()
-    checkpoint.save(shared_tmp_path / "c.npz", stepper, touch)
+    stepper, _ = scene()
+    checkpoint.save(shared_tmp_path / "c.npz", stepper)
     comm.Barrier()
     other, _ = scene(cells=6)
     with pytest.raises(ValueError, match="81 nodes; rectangle has 49"):
@@ -88,9 +88,9 @@ from tests.dynamics.test_checkpoint import checkpoint, np, scene, state, steps
 stepper, touch = scene()
 if sys.argv[1] == "start":
     steps(stepper, 100)
-    checkpoint.save(sys.argv[2], stepper, touch)
+    checkpoint.save(sys.argv[2], stepper)
 else:
-    checkpoint.load(sys.argv[2], stepper, touch)
+    checkpoint.load(sys.argv[2], stepper)
     steps(stepper, 200)
     whole = state(stepper, touch)
     if stepper.shell.comm.rank == 0:

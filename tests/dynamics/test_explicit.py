@@ -16,6 +16,7 @@ import meshes
 from shellform import Fabric, Shell
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.explicit_kernels import book, drift
+from shellform.dynamics.part import AppliedForce
 from shellform.errors import Unstable
 from shellform.fem.internal_force import InternalForce, by_segments
 from shellform.fem.lumped_mass import lumped, nodal_areas
@@ -231,17 +232,18 @@ def test_amplitude_is_a_function_of_time():
 
 
 @pytest.mark.parametrize("amplitude", [None, lambda t: 1.0 + t])
-def test_a_pull_is_an_external_force(amplitude):
-    """Springs to the ground under gravity: momentum and work of pulls are booked, and end."""
+def test_an_applied_force_is_external(amplitude):
+    """Springs to the ground under gravity: momentum and work are booked, and end."""
     shell = sheet(4)
     shell.loads.gravity((0.0, 0.0, -9.81), amplitude=amplitude)
     newmark = Newmark(shell, 0.5)
     comm, k = shell.comm, 40.0
 
-    def springs(stepper, force):
-        force -= k * stepper.mass[:, None] * stepper.owned[:, :3]
+    class Springs(AppliedForce):
+        def add_force(self, stepper, force):
+            force -= k * stepper.mass[:, None] * stepper.owned[:, :3]
 
-    newmark.pulls.append(springs)
+    springs = newmark.add(Springs())
     newmark.v[:, 0] = 0.3
     start = comm.allreduce(newmark.mass @ newmark.v)
     kinetic = newmark.momenta()[2]
@@ -258,7 +260,7 @@ def test_a_pull_is_an_external_force(amplitude):
         assert newmark.momenta()[2] - kinetic == pytest.approx(work, rel=1e-3)
         half = 0.5 * newmark.last_dt * comm.allreduce(np.vdot(newmark.force, newmark.v))
         assert comm.allreduce(newmark.work["external"]) + half == pytest.approx(work, rel=1e-3)
-    newmark.pulls.clear()
+    newmark.remove(springs)
     before = comm.allreduce(newmark.mass @ newmark.v)
     newmark.advance(0.15)
     weight = shell.fabric.areal_mass * 9.81

@@ -12,7 +12,7 @@ import meshes
 from contact.solver.node_contact import WORK
 from contact.solver.velocity_correction import Correction
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.director import rotation_matrix
 from shellform.motion.recording import Recording
@@ -62,8 +62,8 @@ def curtain(turn=None, mirror=False, comm=MPI.COMM_WORLD):
     stepper = Newmark(Shell(surface.transform(rotation=turn), fabric, comm), 0.8)
     stepper.v[:] = turn @ [-1.0, 0.0, 0.0]
     stepper.recheck, stepper.dt = 10**9, 2e-4
-    touch = Touch(stepper, Wearer(recording, ellipsoids), friction=0.3)
-    return stepper, touch, Torque(touch, stepper)
+    touch = stepper.add(Contact(Wearer(recording, ellipsoids), friction=0.3))
+    return stepper, touch, stepper.add(Torque())
 
 
 def vector(row):
@@ -97,7 +97,7 @@ def test_twin_in_plain_numpy():
         leftover[3:] -= (table[:, 3:6] + np.cross(centres - about, table[:, :3])).sum(axis=0)
         size += np.abs(last.impulse).sum()
 
-    stepper.hooks.append(twin)
+    stepper.add(twin)
     stepper.advance(150 * stepper.dt)
     rows = by_joint(torque.record(stepper.time))
     assert set(rows) == {"right_hip", "right_knee", "right_ankle", "left_hip", "left_knee"} | {
@@ -149,9 +149,9 @@ def test_torque_in_a_mirror(plain):
 @pytest.mark.skipif(MPI.COMM_WORLD.size == 1, reason="compares many ranks with one")
 def test_torque_on_many_ranks(plain, shared_tmp_path):
     """As on one rank to 1e-9, the file written once; also from a state taken half-way."""
-    stepper, touch, torque = curtain(comm=MPI.COMM_SELF)
+    stepper, _, torque = curtain(comm=MPI.COMM_SELF)
     path = shared_tmp_path / f"{MPI.COMM_WORLD.rank}.csv"
-    torque = Torque(touch, stepper, path=path)
+    torque = stepper.add(Torque(path))
     stepper.advance(75 * stepper.dt)
     torque.restore(torque.state())
     stepper.advance(150 * stepper.dt)
@@ -205,7 +205,8 @@ def test_power_in_a_steady_spin():
     )
     stepper = Newmark(Shell(surface, Fabric.isotropic(1e6, 0.3, 1e-3, 200.0)), 0.8)
     stepper.v[:, 0] = -1.0
-    torque = Torque(Touch(stepper, wearer, friction=0.3), stepper)
+    stepper.add(Contact(wearer, friction=0.3))
+    torque = stepper.add(Torque())
     for time in (0.01, 0.02):
         stepper.advance(time)
         row = by_joint(torque.record(time))["right_knee"]
@@ -279,9 +280,9 @@ def test_parts_that_count():
 
 def test_own_table_in_a_run(plain):
     """What a table names counts, the rest goes the default way; 'child' stops at the next joint."""
-    stepper, touch, _ = curtain()
-    torque = Torque(touch, stepper, {"right_hip": ["thigh", "shank"], "right_knee": ["thigh"]})
-    child = Torque(touch, stepper, "child")
+    stepper, _, _ = curtain()
+    torque = stepper.add(Torque(parts={"right_hip": ["thigh", "shank"], "right_knee": ["thigh"]}))
+    child = stepper.add(Torque(parts="child"))
     assert torque.parts["right_knee"] == ["thigh"] and child.parts["right_hip"] == ["thigh"]
     stepper.advance(150 * stepper.dt)
     own, child = by_joint(torque.record(0.0)), by_joint(child.record(0.0))
@@ -381,13 +382,13 @@ class Sleeve:
         limb = 0.06 * np.sqrt(1 - ((0.1 - np.abs(X[:, 2:])) / 0.3) ** 2) + 1.5e-3
         shell.w.x.array.reshape(-1, 6)[:, :2] = (limb / rest - 1) * X[:, :2]
         self.stepper = stepper = Newmark(shell, 0.9, drag=100.0)
-        self.touch = Touch(stepper, wearer, friction)
-        self.torque = Torque(self.touch, stepper)
+        self.touch = stepper.add(Contact(wearer, friction))
+        self.torque = stepper.add(Torque())
         stepper.advance(self.still)
         stepper.drag = drag
         self.torque.record(self.still)
         self.touch.correction.reset()
-        self.ledger = Ledger(None, stepper, self.touch)
+        self.ledger = stepper.add(Ledger())
 
     def flexion(self, t):
         return self.swing * np.sin(np.pi * np.maximum(t - self.still, 0.0) / self.period) ** 2

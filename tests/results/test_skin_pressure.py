@@ -17,7 +17,7 @@ from contact.body.segments import Body, Fixed, Segment
 from contact.geometry.ellipsoid import closest_points
 from contact.geometry.surface_patches import Patches, areas_between
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.director import rotation_matrix
@@ -102,7 +102,7 @@ def test_even_pressure_gives_an_even_map():
 def mapped(size=0.03, **scene):
     """The curtain of test_torque with a map; nothing has moved yet."""
     stepper, touch, _ = curtain(**scene)
-    return stepper, touch, Pressure(touch, stepper, size)
+    return stepper, touch, stepper.add(Pressure(size))
 
 
 def test_twin_in_plain_numpy():
@@ -148,7 +148,7 @@ def test_twin_in_plain_numpy():
             area = stepper.mass[i] / areal
             sums[own] += np.outer(weight, [normal, rest, area * dt])
 
-    stepper.hooks.append(twin)
+    stepper.add(twin)
     peaks, whole = [], np.zeros((P, 3))
     for end in (70, STEPS):
         before = stepper.time
@@ -181,9 +181,9 @@ def test_twin_in_plain_numpy():
 def test_normal_force_is_what_contact_booked():
     """Without friction, on one convex body: all of every impulse, and nothing rubs."""
     stepper, touch = over_sphere(friction=0.0, height=1e-3)
-    pressure = Pressure(touch, stepper, 0.05)
+    pressure = stepper.add(Pressure(0.05))
     booked = np.zeros(1)
-    stepper.hooks.append(
+    stepper.add(
         lambda *_: booked.__iadd__(np.linalg.norm(touch.correction.last.impulse, axis=1).sum())
     )
     stepper.advance(0.05)
@@ -203,8 +203,8 @@ def test_map_of_a_sheet_at_rest_carries_its_weight():
     shell.loads.gravity((0.0, 0.0, -G))
     stepper = Newmark(shell, 0.8, drag=8.0, damping=1e-3)
     axes = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
-    touch = Touch(stepper, Body([Segment("head", [R] * 3, Fixed((0, 0, 0), axes))]), friction=0.0)
-    pressure = Pressure(touch, stepper, 0.02)
+    stepper.add(Contact(Body([Segment("head", [R] * 3, Fixed((0, 0, 0), axes))]), friction=0.0))
+    pressure = stepper.add(Pressure(0.02))
     stepper.advance(0.4)
     pressure.restore((np.zeros_like(pressure.total), 0.0))
     stepper.advance(0.6)
@@ -233,7 +233,8 @@ def sleeve(cells, size):
     skin = radius - 5e-4
     axes = np.eye(3)[[2, 0, 1]]
     body = Body([Segment("arm", (1.0, skin, skin), Fixed((0, 0, 0), axes))])
-    pressure = Pressure(Touch(stepper, body, friction=0.0), stepper, size)
+    stepper.add(Contact(body, friction=0.0))
+    pressure = stepper.add(Pressure(size))
     stepper.advance(0.02)
     pressure.restore((np.zeros_like(pressure.total), 0.0))
     stepper.advance(0.04)
@@ -299,22 +300,22 @@ def test_map_on_many_ranks(plain):
 def test_goes_on_from_a_checkpoint(shared_tmp_path):
     """A window left open when the run stops is the same as one that was not."""
     path = shared_tmp_path / "checkpoint.npz"
-    stepper, touch, pressure = mapped()
+    stepper, _, pressure = mapped()
     stepper.advance(60 * stepper.dt)
     pressure.record(stepper.time)
     stepper.advance(100 * stepper.dt)
-    checkpoint.save(path, stepper, touch, pressure.saved())
-    again, again_touch, _ = curtain()
-    state = checkpoint.load(path, again, again_touch)
-    resumed = Pressure(again_touch, again, 0.03, state)
+    checkpoint.save(path, stepper)
+    again, _, _ = curtain()
+    state = checkpoint.load(path, again)
+    resumed = again.add(Pressure(0.03, state))
     for one, hook in ((stepper, pressure), (again, resumed)):
         one.advance(STEPS * one.dt)
         hook.record(one.time)
     assert_equal_maps(resumed.result(), pressure.result())
     with pytest.raises(ValueError, match=r"patches of 0.03 m, not \d+ of 0.05 m"):
-        Pressure(again_touch, again, 0.05, state)
+        again.add(Pressure(0.05, state))
     with pytest.raises(ValueError, match="no pressure map"):
-        Pressure(again_touch, again, 0.03, {})
+        again.add(Pressure(0.03, {}))
 
 
 def test_steps_allocate_nothing():
@@ -332,7 +333,7 @@ def test_steps_allocate_nothing():
     # numba wraps each of its 16 arguments that are arrays
     assert made == 20 * 16
     assert peak < min(stepper.v.nbytes, 4000)
-    assert not any(isinstance(hook, Pressure) for hook in curtain()[0].hooks)
+    assert not any(isinstance(part, Pressure) for part in curtain()[0].parts)
 
 
 @pytest.mark.serial
@@ -341,7 +342,7 @@ def test_not_loaded_unless_asked_for():
         "import sys, shellform.simulation.run, shellform.pictures.walk; print(sorted(sys.modules))"
     )
     names = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "'shellform.contact_coupling.explicit_contact'" in names.stdout
+    assert "'shellform.contact_coupling.contact'" in names.stdout
     assert (
         "shellform.results.skin_pressure" not in names.stdout
         and "contact.geometry.surface_patches" not in names.stdout
@@ -352,10 +353,13 @@ def test_bad_input():
     stepper, touch = over_sphere()
     for size in (0.0, np.nan, -1.0, 1e-5):
         with pytest.raises(ValueError, match=r"size of at least 0\.001 m"):
-            Pressure(touch, stepper, size)
-    sampled = Touch(stepper, touch.correction.body, samples=1)
+            stepper.add(Pressure(size))
+    sampled = Newmark(Shell(meshes.rectangle(0.5, 0.5, (4, 4)), stepper.shell.fabric))
+    with pytest.raises(ValueError, match="needs a contact"):
+        sampled.add(Pressure())
+    sampled.add(Contact(touch.body, samples=1))
     with pytest.raises(ValueError, match="leave out the samples"):
-        Pressure(sampled, stepper)
+        sampled.add(Pressure())
 
 
 def test_file_and_picture(plain, shared_tmp_path, comm):

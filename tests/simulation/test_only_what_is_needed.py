@@ -18,7 +18,7 @@ from contact.solver import node_contact as point
 from contact.solver import velocity_correction as correction
 from contact.solver.velocity_correction import Correction
 from shellform import Fabric, Shell, Statics
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling import contact as coupling
 from shellform.dynamics import explicit_kernels
 from shellform.dynamics import time_stepper as stepper
 from shellform.dynamics.explicit import Newmark
@@ -64,11 +64,11 @@ Newmark(shell).advance(1e-3)
 stage("falling")
 
 from contact.body.segments import Body, Fixed, Segment
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 shell = Shell(sheet, cloth)
 shell.loads.gravity()
 stepper = Newmark(shell)
-Touch(stepper, Body([Segment("ball", (0.1, 0.1, 0.1), Fixed((0.5, 0.5, -0.2)))]))
+stepper.add(Contact(Body([Segment("ball", (0.1, 0.1, 0.1), Fixed((0.5, 0.5, -0.2)))])))
 stepper.advance(1e-3)
 stage("touching")
 
@@ -443,14 +443,14 @@ def test_plan_of_a_run_is_stored(shared_tmp_path, comm):
     """In summary.json: of a static problem, a fall, and cloth on a ball; only what each has."""
     plans = {}
     for name in ("statics", "fall", "ball"):
-        shell, stepper, touch = sheet(comm=comm), None, None
+        shell, stepper = sheet(comm=comm), None
         if name != "statics":
             shell.loads.gravity()
             stepper = Newmark(shell)
         if name == "ball":
-            touch = Touch(stepper, ball(), 0.0)
+            stepper.add(coupling.Contact(ball(), 0.0))
         report = Report(shared_tmp_path / name, name, {}, comm)
-        report.describe(shell, stepper, touch)
+        report.describe(shell, stepper)
         report.write({})
         comm.Barrier()
         plans[name] = json.loads((shared_tmp_path / name / "summary.json").read_text())["plan"]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Points and patches of cloth that meet bodies under extreme conditions; see extremes_of_bodies.py.
 
-Points of mass meet a body by `contact.Correction`, a patch of cloth by `Touch` and `ImplicitTouch`.
+Points of mass meet a body by `contact.Correction`, a patch of cloth by `Contact` under explicit
+and implicit steps.
 What is measured: momentum changed but not booked, the deepest point at the end, the growth of
 energy in each contact, slip against its closed form.
 """
@@ -14,8 +15,7 @@ from contact.geometry.ellipsoid import closest_points
 from contact.solver.cell_samples import too_thin
 from contact.solver.velocity_correction import Correction
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
-from shellform.contact_coupling.implicit_contact import ImplicitTouch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.results.ledger import Ledger
@@ -137,10 +137,8 @@ def patch(side=0.1, cells=6, height=0.01, gravity=G, factor=0.9, dt=None, **opti
 
 def cloth_on(stepper, body, seconds, friction=0.3, **options):
     """Cloth meets a body; what its ledger and its places say at the end."""
-    touch = (ImplicitTouch if isinstance(stepper, ImplicitNewmark) else Touch)(
-        stepper, body, friction, **options
-    )
-    ledger = Ledger(None, stepper, touch)
+    touch = stepper.add(Contact(body, friction, **options))
+    ledger = stepper.add(Ledger())
     first = ledger.record()
     stepper.advance(stepper.time + seconds)
     row, x = ledger.record(), stepper.shell.positions()

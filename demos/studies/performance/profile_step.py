@@ -27,7 +27,7 @@ import numpy as np
 from demos.studies.drape.square import Scene as Drape
 from demos.studies.drape.square import build
 from shellform.console import parse, positive, run
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.explicit_contact import ExplicitContact
 from shellform.dynamics import explicit_kernels
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.time_stepper import Stepper
@@ -44,7 +44,7 @@ COMM = MPI.COMM_WORLD
 GAP = 0.05  # between sheet and sphere there [m]
 PARTS = {  # part -> what is timed: (owner, name)
     "internal force": [(InternalForce, "__call__")],
-    "contact": [(Touch, "__call__")],
+    "contact": [(ExplicitContact, "__call__")],
     "nodal kernels": [(explicit_kernels, name) for name in ("kick", "book", "drift", "ahead")],
     "loads, belt": [(Newmark, "_update_loads")],
     "torque, pressure": [(Torque, "__call__"), (Pressure, "__call__")],
@@ -237,8 +237,8 @@ def walk():
     model = Model(Scene(motion=Motion(end=1.6)), COMM)
     model.dress()
     stepper = model.stepper
-    Torque(model.contact, stepper)  # these two hook themselves in
-    Pressure(model.contact, stepper)
+    stepper.add(Torque())
+    stepper.add(Pressure())
     stepper.advance(0.6)
     return profile(stepper, 1.4), stepper
 

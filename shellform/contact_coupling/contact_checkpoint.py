@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a contact of explicit steps needs to go on, in the surface's own numbering.
+
+Segments touched and sunk into, by nodes and by cells that have samples; the window of the books.
+"""
+
+import numpy as np
+
+
+def saved(contact):
+    """Arrays of a contact for a checkpoint, those of rank 0 complete; all ranks call.
+
+    By nodes (n, 2) and by cells (cells, samples a cell, 2) int: segment touched, set sunk into.
+    """
+    shell, window = contact.stepper.shell, contact.window
+    partition, comm = shell.partition, shell.comm
+    # whole numbers travel as the floats of the same bits: sets of segments may need all 64
+    nodes = partition.gather(_of(contact.correction).view(float), root=0)
+    whole = {"segment": None if nodes is None else nodes.view(np.int64)}
+    if contact.inner is not None:
+        cells = partition.nodes[contact.cells]
+        parts = comm.gather((cells, _by_cell(contact)), 0)
+        if parts is not None:
+            whole["sample_cells"] = np.concatenate([part[0] for part in parts])
+            whole["sample_segment"] = np.concatenate([part[1] for part in parts])
+    whole["window_impulse"] = partition.gather(window.impulse, root=0)
+    whole["window_table"] = comm.allreduce(window.table)
+    whole["window_seconds"] = np.array(window.seconds)
+    return whole
+
+
+def resume(contact, path, state):
+    """Set this rank's part of what `saved` gave, read from the file `path`."""
+    shell, window = contact.stepper.shell, contact.window
+    partition, nodes = shell.partition, shell.partition.owned_nodes
+    _set(contact.correction, state["segment"][nodes])
+    if contact.inner is not None:
+        kept, own = state.get("sample_segment"), _by_cell(contact)
+        if kept is None or kept.shape[1] != own.shape[1]:
+            raise ValueError(
+                f"{path} holds no contact of {own.shape[1]} samples a cell: "
+                "go on with the samples it was written with"
+            )
+        rows = {tuple(sorted(cell)): row for row, cell in enumerate(state["sample_cells"].tolist())}
+        cells = partition.nodes[contact.cells].tolist()
+        _set(contact.inner, kept[[rows[tuple(sorted(cell))] for cell in cells]].reshape(-1, 2))
+    window.impulse[:] = state["window_impulse"][nodes]
+    # sums over ranks live on the first one
+    window.table[:] = state["window_table"] if shell.comm.rank == 0 else 0.0
+    window.seconds = float(state["window_seconds"])
+
+
+def _of(correction):
+    """Segments touched and sunk into (n, 2)."""
+    return np.stack([correction.segment, correction.sunk], axis=1)
+
+
+def _set(correction, both):
+    correction.segment[:], correction.sunk[:] = both.T
+
+
+def _by_cell(contact):
+    """`_of` the samples, (cells, samples a cell, 2)."""
+    return _of(contact.inner).reshape(len(contact.cells), -1, 2)
