@@ -20,6 +20,9 @@ Default data: E t = 1000 N/m, nu = 0.3, bending of a sheet of 1 mm, 0.2 kg/m2, a
 
 import argparse
 import copy
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 from mpi4py import MPI
 
@@ -120,18 +123,26 @@ def sheet(options):
     return shell
 
 
+def body_of(options):
+    """The ellipsoid whose top is 0.05 m below the sheet."""
+    centre = np.array([0.0, 0.0, -0.05 - options.radii[2]])
+    return Body([Segment("body", options.radii, Fixed(centre))])
+
+
 def stepper_of(options, shell, body):
-    """Stepper of the model asked for, and its contact with the body."""
+    """Stepper of the model asked for, with its contact with the body."""
     if options.stepper == "implicit":
         from shellform.dynamics.implicit import ImplicitNewmark
 
         stepper = ImplicitNewmark(shell, options.time_step, alpha=options.alpha, drag=options.drag)
-        return stepper, stepper.add(Contact(body, options.friction))
+        stepper.add(Contact(body, options.friction))
+        return stepper
     model = Newmark
     if options.model == "particles":
         from shellform.dynamics.mass_spring import Particles as model
     stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
-    return stepper, stepper.add(Contact(body, options.friction))
+    stepper.add(Contact(body, options.friction))
+    return stepper
 
 
 def cells_for(options):
@@ -155,13 +166,13 @@ def reached(options, choice, body, height):
     if options.stepper == "implicit" or options.handover is not None:
         return choice.summary(None, "measured beforehand; implicit steps have no companion")
     half = argparse.Namespace(**vars(options) | {"cells": max(2, options.cells // 2)})
-    stepper, _ = stepper_of(half, sheet(half), body)
+    stepper = stepper_of(half, sheet(half), body)
     perturb(half, stepper)
     stepper.advance(options.seconds)
     by = options.cells / half.cells
-    left = richardson(height, mean_height(stepper), by, choice.order) / abs(height)
+    error = richardson(height, mean_height(stepper), by, choice.order) / abs(height)
     how = f"run with {half.cells} cells a side; what another start changes added"
-    return choice.summary(float(np.hypot(left, choice.power_law.spread)), how)
+    return choice.summary(float(np.hypot(error, choice.power_law.spread)), how)
 
 
 def perturb(options, stepper):
@@ -175,108 +186,147 @@ def perturb(options, stepper):
     stepper.scatter()
 
 
+@dataclass
+class Fall:
+    """A sheet that has fallen.
+
+    stepper, contact, ledger : those of the end, when springs have handed over to the shell
+    frames : list of (positions, directors), the start and one an output time
+    deepest : float [m], a node in the body; steps : int, of springs too
+    """
+
+    stepper: object
+    contact: object
+    ledger: Ledger
+    frames: list
+    deepest: float = 0.0
+    steps: int = 0
+
+
+def fall_freely(options, stepper, report, later=None):
+    """Step to the end with a ledger, frames and checkpoints at every output time.
+
+    later : stepper that takes over from springs at options.handover, or None
+    """
+    shell, path = stepper.shell, report.folder / "ledger.csv"
+    start = shell.positions(), shell.directors()
+    fall = Fall(stepper, stepper.contact, stepper.add(Ledger(path)), [start])
+    series = Series(options.out)
+    times = output_times(options)
+    for time in console.progress(times, len(times), "drape"):
+        with report.stage("solve"):
+            if later and time > options.handover:
+                hand_over(options.handover, fall, later, report)
+                fall.ledger, later = later.add(Ledger(path)), None
+            fall.stepper.advance(time)
+        with report.stage("output"):
+            fall.ledger.record()
+            if options.stepper == "explicit" and options.handover is None:
+                checkpoint.save(report.folder / "checkpoint.npz", fall.stepper)
+            shell = fall.stepper.shell
+            series.write(shell, time)
+            fall.frames.append((shell.positions(), shell.directors()))
+            depth = COMM.allreduce(fall.contact.max_depth, MPI.MAX)
+            fall.deepest = max(fall.deepest, depth)
+    fall.steps += fall.stepper.steps
+    report.shift(fall.contact.seconds, "solve", "contact")
+    return fall
+
+
+def output_times(options):
+    """Times [s] at which rows and frames are written."""
+    return np.linspace(0, options.seconds, options.frames + 1)[1:]
+
+
+def hand_over(time, fall, later, report):
+    """Springs go on to a time [s]; the shell takes over from there."""
+    from shellform.dynamics import mass_spring
+
+    fall.stepper.advance(time)
+    report.shift(fall.contact.seconds, "solve", "contact")
+    mass_spring.hand_over(fall.stepper, later)
+    fall.steps, fall.stepper, fall.contact = fall.stepper.steps, later, later.contact
+
+
+def show(options, fall, results):
+    """Print what it cost and what carries the weight."""
+    cost, n = results["microseconds_per_node_and_step"], options.cells
+    print(f"{n} x {n} cells, {fall.steps} steps of {fall.stepper.dt:.2e} s, ", end="")
+    print(f"{cost:.2f} microseconds a node and step")
+    force = np.round(results["contact_force"], 4)
+    print(f"weight {results['weight']:.4f} N, contact {force} N, ", end="")
+    print(f"pin {np.round(results['pin_force'], 4)} N over {results['window']:.2f} s")
+    print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
+    print(f"{results['strain_energy']:.3e} J, depth {1e3 * fall.deepest:.4f} mm")
+
+
+def show_choice(options, choice, stepper):
+    """Print the cells chosen, the errors predicted and the time that it will take."""
+    took = None  # of implicit steps no time was measured
+    if options.stepper == "explicit":
+        work = len(stepper.shell.surface.points), options.seconds / stepper.dt
+        took = seconds("drape", choice.family, *work) / COMM.size
+    console.say(choice.lines(took))
+
+
+def newton_results(fall, report):
+    """What implicit steps add to the results; iterations."""
+    stepper = fall.stepper
+    report.shift(stepper.equilibrium.assembly_seconds, "solve", "assemble")
+    return {
+        "solves": stepper.solves,
+        "cutbacks": stepper.cutbacks,
+        "unsettled_steps": fall.contact.unsettled,
+    }, stepper.newton_iterations
+
+
 def main(given=None):
-    # ## The sheet and the body
     options = arguments(given)
     choice = cells_for(options) if options.cells is None else None
     report = Report(options.out, "drape", vars(options), COMM)
     with report.stage("setup"):
-        shell, n = sheet(options), options.cells
-        square = shell.surface
-        centre = np.array([0.0, 0.0, -0.05 - options.radii[2]])
-        body = Body([Segment("body", options.radii, Fixed(centre))])
-        report.describe(
-            shell, inertia="lumped", contact=list(body.names), friction=options.friction
-        )
-
-    # ## Steps
+        shell, body = sheet(options), body_of(options)
+        names = list(body.names)
+        report.describe(shell, inertia="lumped", contact=names, friction=options.friction)
     with report.stage("compile"):
-        stepper, touch = stepper_of(options, shell, body)
+        stepper, later = stepper_of(options, shell, body), None
         stepper.strain_energy()
     if choice:
-        work = len(square.points), options.seconds / stepper.dt
-        took = None  # of implicit steps no time was measured
-        if options.stepper == "explicit":
-            took = seconds("drape", choice.family, *work) / COMM.size
-        console.say(choice.lines(took))
-    later = None
+        show_choice(options, choice, stepper)
     if options.handover is not None:
-        # particles first, on a sheet of their own
+        # springs first, on a sheet of their own
         first = copy.copy(options)
         first.stepper, first.model = "explicit", "particles"
-        later = stepper, touch
-        stepper, touch = stepper_of(first, sheet(options), body)
+        stepper, later = stepper_of(first, sheet(options), body), stepper
     perturb(options, stepper)
-    ledger, series = stepper.add(Ledger(report.folder / "ledger.csv")), Series(options.out)
-    times = np.linspace(0, options.seconds, options.frames + 1)[1:]
-    shown = stepper.shell
-    frames, deepest = [(shown.positions(), shown.directors())], 0.0
-    particle_steps = 0
-    for time in console.progress(times, len(times), "drape"):
-        with report.stage("solve"):
-            if later and time > options.handover:
-                from shellform.dynamics.mass_spring import hand_over
+    fall = fall_freely(options, stepper, report, later)
 
-                stepper.advance(options.handover)
-                report.shift(touch.seconds, "solve", "contact")
-                hand_over(stepper, later[0])
-                particle_steps, (stepper, touch), later = stepper.steps, later, None
-                ledger = stepper.add(Ledger(report.folder / "ledger.csv"))
-            stepper.advance(time)
-        with report.stage("output"):
-            ledger.record()
-            if options.stepper == "explicit" and options.handover is None:
-                checkpoint.save(report.folder / "checkpoint.npz", stepper)
-            shown = stepper.shell
-            series.write(shown, time)
-            frames.append((shown.positions(), shown.directors()))
-            deepest = max(deepest, COMM.allreduce(touch.correction.max_depth, MPI.MAX))
-    steps = stepper.steps + particle_steps
-    report.shift(touch.seconds, "solve", "contact")
-
-    # ## Results
-    #
-    # Forces are means over the window at the end.
-    results = summarise(options, stepper, ledger, frames[-1][0], deepest)
+    results, iterations, entries = summarise(options, fall), 0, {}
     if COMM.rank == 0:
-        force, weight = results["contact_force"], results["weight"]
         cost = 1e6 * report.seconds["solve"] + 1e6 * report.seconds["contact"]
-        cost /= steps * len(square.points)
+        cost /= fall.steps * len(shell.surface.points)
         results["microseconds_per_node_and_step"] = cost
-        print(f"{n} x {n} cells, {steps} steps of {stepper.dt:.2e} s, ", end="")
-        print(f"{cost:.2f} microseconds a node and step")
-        print(f"weight {weight:.4f} N, contact {np.round(force, 4)} N, ", end="")
-        print(f"pin {np.round(results['pin_force'], 4)} N over {results['window']:.2f} s")
-        print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
-        print(f"{results['strain_energy']:.3e} J, depth {1e3 * deepest:.4f} mm")
+        show(options, fall, results)
         with report.stage("output"):
-            from shellform.pictures.surfaces import drape_pictures
-
-            drape_pictures(report.folder, frames, square.cells, body, times[0])
-    iterations = 0
+            cells, apart = shell.surface.cells, output_times(options)[0]
+            draw(report.folder, fall.frames, cells, body, apart)
     if options.stepper == "implicit":
-        iterations = stepper.newton_iterations
-        results |= {
-            "solves": stepper.solves,
-            "cutbacks": stepper.cutbacks,
-            "unsettled_steps": touch.unsettled,
-        }
-        assembly = stepper.equilibrium.assembly_seconds
-        report.shift(assembly, "solve", "assemble")
-    entries = {}
+        more, iterations = newton_results(fall, report)
+        results |= more
     if choice:
         with report.stage("solve"):
             entries["accuracy"] = reached(options, choice, body, results["mean_height"])
         console.say([accuracy_line(entries["accuracy"])])
-    report.write(
-        results, steps=steps, newton_iterations=iterations, time_step=stepper.dt, **entries
+    entries |= {"steps": fall.steps, "newton_iterations": iterations}
+    report.write(results, time_step=fall.stepper.dt, **entries)
+    console.say(
+        [f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd"]
     )
-    if COMM.rank == 0:
-        print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
 
 
-def summarise(options, stepper, ledger, positions, deepest):
-    """The keys of results in summary.json."""
+def summarise(options, fall):
+    """The keys of results in summary.json; forces are means over the window at the end."""
+    stepper, ledger, positions = fall.stepper, fall.ledger, fall.frames[-1][0]
     rows = ledger.rows
     count = max(1, round(options.window / options.seconds * len(rows)))
     late = rows[-count:]
@@ -306,9 +356,70 @@ def summarise(options, stepper, ledger, positions, deepest):
         "free_corner": positions[corner],
         "strain_energy": late[-1]["strain"],
         "kinetic_energy": late[-1]["kinetic"],
-        "max_penetration": deepest,
+        "max_penetration": fall.deepest,
         "momentum_residual": max(row["momentum_residual"] for row in rows),
     }
+
+
+def draw(folder, frames, cells, body, seconds):
+    """drape.png, the last frame from two sides, and drape.gif, all frames.
+
+    Parameters
+    ----------
+    folder : path; frames : list of (points, directors); cells : (m, 4|9)
+    body : contact.body.segments.Body; seconds : float, between frames
+    """
+    # only here: rank 0 alone draws
+    from shellform.pictures.surfaces import (
+        ellipsoid_facets,
+        new_figure,
+        save_animation,
+        save_figure,
+    )
+
+    pose = body.new_pose()
+    body.pose(0.0, pose)
+    rims = list(zip(pose.centres, pose.axes, np.asarray(body.radii), strict=True))
+    skin = [ellipsoid_facets(*ellipsoid) for ellipsoid in rims]
+    # a cell of cloth is flat, the body is round: let the cloth win where they are this close
+    away = 0.5 * np.ptp(frames[0][0], axis=0).max() / np.sqrt(len(cells))
+    solids = [(facets, None, "#d8a48f", "#d8a48f", away) for facets in skin]
+    corners = np.concatenate([frames[0][0], frames[-1][0], *(s.reshape(-1, 3) for s in skin)])
+
+    view = partial(draw_frame, cells=cells, solids=solids, corners=corners, rims=rims)
+    figure, (left, right) = new_figure(1, (11, 5.5), "", columns=2)
+    view(left, frames[-1], -60, 8)
+    view(right, frames[-1], 30, 35)
+    save_figure(figure, Path(folder) / "drape.png")
+    images = []
+    for frame in frames:
+        figure, axes = new_figure(1, (5, 5), "", dpi=70)
+        view(axes, frame, -60, 20)
+        figure.canvas.draw()
+        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
+    save_animation(images, Path(folder) / "drape.gif", seconds)
+
+
+def draw_frame(axes, frame, azimuth, elevation, *, cells, solids, corners, rims):
+    """Cloth over its body, outlines dashed where cloth hides them, from one side."""
+    from shellform.pictures.surfaces import (
+        BACK,
+        CLOTH,
+        draw_surfaces,
+        ellipsoid_outline,
+        facets_and_sides,
+        view_axes,
+    )
+
+    cloth = facets_and_sides(*frame, cells)
+    draw_surfaces(axes, [(*cloth, CLOTH, BACK, 0.0), *solids], azimuth, elevation)
+    right, up, eye = view_axes(azimuth, elevation)
+    for ellipsoid in rims:
+        rim = ellipsoid_outline(*ellipsoid, eye)
+        axes.plot(rim @ right, rim @ up, "--", color="#8c4a32", lw=0.7)
+    spans = corners @ right, corners @ up
+    axes.set_xlim(spans[0].min() - 0.05, spans[0].max() + 0.05)
+    axes.set_ylim(spans[1].min() - 0.05, spans[1].max() + 0.05)
 
 
 if __name__ == "__main__":

@@ -147,7 +147,7 @@ class Choice:
             )
         if not self.kept:
             spread = self.power_law.spread
-            if spread >= (0.0 if isinstance(self.asked, str) else self.asked):
+            if spread >= (self.asked if isinstance(self.asked, float) else 0.0):
                 why = f"runs from another start differ by {percent(spread)}"
             else:
                 why = f"cells so fine have not been measured; these leave {percent(self.error)}"
@@ -205,7 +205,7 @@ def choose(
         found.append(
             Choice(case, family, asked, length, ratio, kept, sensitivity, own, known[family])
         )
-    if len(found) == 1:
+    if len(found) == 1 or work is None:
         return found[0]
     return min(found, key=lambda c: (not c.kept, work(c.family, c.ratio)))
 

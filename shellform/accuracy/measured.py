@@ -54,8 +54,10 @@ def power_laws(
     spread = {row["quantity"]: row["error"] for row in mine if row["kind"] == "spread"}
     for family in found.values():
         for quantity, rows in family.items():
-            columns = ([row[k] for row in rows] for k in ("ratio", "error", "uncertainty"))
-            family[quantity] = fit(*columns, spread.get(quantity, 0.0))
+            ratios, errors, unsure = (
+                [row[k] for row in rows] for k in ("ratio", "error", "uncertainty")
+            )
+            family[quantity] = fit(ratios, errors, unsure, spread.get(quantity, 0.0))
     return found
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from meshes import Surface
+from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
 from shellform.motion.wearer import Wearer
 
@@ -54,7 +55,8 @@ def dress(
     """
     dressing = Dressing() if dressing is None else dressing
     watch = unwatched if watch is None else watch
-    contact, wearer = stepper.contact, stepper.contact.body
+    contact = require_contact(stepper, "dressing")
+    wearer = contact.body
     allowed, friction = contact.correction.allowed, contact.friction
     reach = allowed.copy()
     start = wearer.start - dressing.seconds

@@ -4,6 +4,7 @@
 import numpy as np
 
 from meshes import Surface
+from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
 
 from .belt import Belt, Ring
@@ -19,7 +20,7 @@ def fit(stepper: Newmark, belt: Belt) -> dict:
     which is `belt_pressed` by itself, and that of the cloth, which is gathered and resists.
     `stretch` is the largest `elongation` of the cloth along a cell edge farther from the waist.
     """
-    shell, contact = stepper.shell, stepper.contact
+    shell, contact = stepper.shell, require_contact(stepper, "the fit of a garment")
     comm, surface = shell.comm, shell.surface
     contact.reset()
     # drag of the air would take dt/2 of its rate off the contact forces

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
 from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
@@ -66,7 +67,7 @@ def put_on(
             f"{path} is of a garment with {len(state.get('positions', ()))} nodes; "
             f"{surface.source} has {n}: dress anew, without it"
         )
-    middle, axes = _axes(stepper.contact.body)
+    middle, axes = _axes(require_contact(stepper, "dressing").body)
     with borrowed(stepper):
         stepper.owned[:, :3] = middle + state["positions"][own] @ axes - stepper.points
         stepper.owned[:, 3:] = state["directors"][own] @ axes

@@ -4,6 +4,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.state import State
 
@@ -15,7 +16,7 @@ def borrowed(stepper: Newmark) -> Iterator[None]:
     Drag [1/s], friction and the ellipsoids that nodes may meet are afterwards what they were. After
     an error the sheet, its clock and the forces applied to it are so too.
     """
-    contact, forces = stepper.contact, list(stepper.applied_forces)
+    contact, forces = require_contact(stepper, "dressing"), list(stepper.applied_forces)
     allowed = contact.correction.allowed
     drag, friction, reach = stepper.drag, contact.friction, allowed.copy()
     before = State(stepper).keep()

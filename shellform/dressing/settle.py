@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
 
 from .belt import Belt
@@ -32,7 +33,7 @@ def settle(
     -------
     dict: `seconds` it took, root mean square `speed` [m/s], whether `settled`, figures of `fit`
     """
-    end, begin = stepper.contact.body.start, stepper.time
+    end, begin = _start_of_motion(stepper), stepper.time
     stepper.drag = dressing.drag
     while stepper.time < end - 1e-9 and speed(stepper) > dressing.quiet:
         advance_watched(
@@ -56,10 +57,15 @@ def settle_again(stepper: Newmark, tension: float, dressing: Dressing) -> tuple[
     belt : Belt, which stays; report : of `settle`
     """
     with borrowed(stepper):
-        stepper.time = stepper.contact.body.start - dressing.settle
+        stepper.time = _start_of_motion(stepper) - dressing.settle
         belt = stepper.add(Belt("waist", tension))
         stepper.advance(stepper.time + AT_LEAST)
         return belt, settle(stepper, belt, dressing)
+
+
+def _start_of_motion(stepper: Newmark) -> float:
+    """Time [s] of the wearer's first frame."""
+    return require_contact(stepper, "a dressed wearer").body.start
 
 
 def speed(stepper: Newmark) -> float:

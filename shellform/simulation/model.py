@@ -2,17 +2,18 @@
 """What a scene describes, made: wearer, garment, shell, stepper, contact."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 from mpi4py import MPI
 
 from shellform.contact_coupling.contact import Contact
+from shellform.contact_coupling.explicit_contact import ExplicitContact
 from shellform.dressing.belt import Belt
 from shellform.dressing.dress import dress
 from shellform.dressing.procedure import Dressing
 from shellform.dressing.saved_state import put_on
 from shellform.dressing.settle import AT_LEAST, settle_again
 from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.part import RunningContact
 from shellform.fem.shell import Shell
 from shellform.scene.garment import garment_of
 from shellform.scene.reach import reach_of
@@ -50,14 +51,18 @@ class Model:
         self.contact = self._meet(self.stepper)
         self.belt: Belt | None = None
 
-    def _meet(self, stepper: Newmark) -> RunningContact:
+    def _meet(self, stepper: Newmark) -> ExplicitContact:
         """Contact of a stepper's nodes with those ellipsoids that each can come to."""
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
-        friction = contact.friction
-        if contact.kinetic_friction is not None:
-            friction = (friction, contact.kinetic_friction)
-        soft = {"flesh_stiffness": contact.flesh_stiffness}
-        running = stepper.add(Contact(self.wearer, friction, contact.offset, **soft))
+        kinetic = contact.kinetic_friction
+        running = stepper.add(
+            Contact(
+                self.wearer,
+                contact.friction if kinetic is None else (contact.friction, kinetic),
+                contact.offset,
+                flesh_stiffness=contact.flesh_stiffness,
+            )
+        )
         running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
         return running
 
@@ -72,7 +77,7 @@ class Model:
         self.belt, report = put(watch)
         return report
 
-    def put_on(self, path: str) -> dict:
+    def put_on(self, path: str | Path) -> dict:
         """Put on the dressed state of a file; returns the report of `dressing.settle.settle`."""
         self.belt, report = put_on(path, self.stepper, self.scene.belt)
         return report

@@ -50,7 +50,7 @@ def plan_of(
     steps, contact, output = scene.steps, scene.contact, scene.output
     terms = [*terms_of(fabric(scene)), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
-    plan = {
+    plan: dict = {
         "element": f"{surface.kind} of degree {surface.degree}",
         "terms": terms + [name for name, value in wanted.items() if value],
         "contact": list(near),

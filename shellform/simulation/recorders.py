@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What is recorded while a scene is stepped: torque, ledger, extremes, pressure, frames."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 
+from shellform.contact_coupling.contact import require_contact
 from shellform.dressing.procedure import STAGES
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.part import Part
@@ -29,7 +31,7 @@ class Recorders:
     joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure, or None if not asked for
     """
 
-    def __init__(self, model: Model, out: Path, resumed: Mapping | None = None):
+    def __init__(self, model: Model, out: Path, resumed: dict[str, Any] | None = None):
         add, output = model.stepper.add, model.scene.output
         self._window = model.contact.window
         self.joints: Torque = add(Torque(out / "torque.csv", output.parts, resumed))
@@ -67,11 +69,16 @@ class Extremes(Part):
 
     books_contact = True
 
-    def __init__(self, resumed: Mapping | None = None) -> None:
+    def __init__(self, resumed: dict[str, Any] | None = None) -> None:
         self.values = np.zeros(3) if resumed is None else resumed["extremes"].copy()
 
+    def attach(self, stepper: Newmark) -> Self:
+        """Begin to watch a stepper's contact."""
+        self.contact = require_contact(stepper, "a record of depths")
+        return super().attach(stepper)
+
     def __call__(self, stepper: Newmark, dt: float) -> None:
-        now = stepper.contact
+        now = self.contact
         self.values[0] = max(self.values[0], now.max_depth)
         self.values[1] = max(self.values[1], now.pinched)
         self.values[2] = max(self.values[2], now.pinch_depth)

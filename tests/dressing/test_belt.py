@@ -226,7 +226,7 @@ def test_hands_lift_and_let_go():
     touch = stepper.add(Contact(body, friction=0.3))
     ledger = stepper.add(Ledger())
     places, stiffness, damping = lift(0.1, 0.1), 50.0, 0.05
-    hands = Hands(stepper, "waist", places, stiffness, damping)
+    hands = stepper.add(Hands("waist", places, stiffness, damping))
     comm, given = stepper.shell.comm, np.zeros((2, 3))
 
     def follow(stepper, dt):
@@ -262,7 +262,7 @@ def test_hands_hold_the_weight():
     """A tube hung from the hands, brought to rest: they sag by m g/(n k hold) and carry m g."""
     surface = tube()
     stepper = stepper_of(surface, gravity=G, damping=1e-4)
-    hands = Hands(stepper, "waist", lift(0.1, 0.1), stiffness=40.0, damping=0.08)
+    hands = stepper.add(Hands("waist", lift(0.1, 0.1), stiffness=40.0, damping=0.08))
     hands.hold = 0.5
     stepper.advance(0.1)
     stepper.drag = 30.0
