@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The measured trade between error and cost: the cheapest setting for an error asked for.
+"""Error against cost, as measured: the cheapest setting for an error asked for.
 
 Scenes whose solution is known, or known well from finer meshes, were run with cells of many sizes
 (`demos/studies/accuracy/run.py`, which writes the table read here). The relative error of a

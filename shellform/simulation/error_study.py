@@ -93,7 +93,7 @@ def cost_table(
     ------
     as `run`
     """
-    check_cells(scene, "the trade")
+    check_cells(scene, "a table of what errors cost")
     model = Model(scene, comm)
     seconds = model.wearer.end - model.wearer.start + DRESSED
     rows = table_rows(scene, model, seconds)

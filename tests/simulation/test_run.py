@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A dressed wearer walks: forces add up, torques turn with the scene, stopped runs go on.
+"""A dressed wearer walks: forces add up, torques turn with the scene, files are complete.
 
 The walk is short: out of the second stride of the synthetic walk, with a quick way into it. Cloth
 that folds is chaotic: a difference of roundoff grows tenfold in 20 ms or so, so two runs that are
@@ -9,11 +9,6 @@ equal but for roundoff, which settle for 0.1 s before, are compared for 60 ms.
 import csv
 import json
 import re
-import shutil
-import signal
-import subprocess
-import sys
-import time
 from functools import partial
 from pathlib import Path
 
@@ -22,7 +17,6 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from shellform.__main__ import main
 from shellform.fem.director import rotation_matrix
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.results.joint_torque import COLUMNS, rows_until
@@ -30,23 +24,24 @@ from shellform.scene import wearer as build
 from shellform.scene.garment import garment_of
 from shellform.scene.parts import Motion, Output, Steps
 from shellform.scene.scene import Scene
-from shellform.scene.scene_file import write_scene
 from shellform.simulation.figures import draw
 from shellform.simulation.run import run as run_scene
 from shellform.simulation.summary import summary_lines
 from tests.dressing.test_dress import dressed
 from tests.scene.test_wearer_and_garment import turned
-from tests.test_parallel import launch, needs_mpirun
 
 COMM = MPI.COMM_WORLD
+
+
 JOINTS = [f"{side}_{joint}" for side in ("right", "left") for joint in ("hip", "knee", "ankle")]
+
+
 # without drag of the air, which the ledger books but does not tell by window
 WALK = Scene(
     motion=Motion(start=1.5, end=1.7, lead_in=0.4),
     steps=Steps(drag=0.0),
     output=Output(checkpoint=0.1),
 )
-PATIENCE = 300  # seconds for a program that compiles first
 
 
 @pytest.fixture(scope="module")
@@ -240,124 +235,3 @@ def test_mirrored_walk(walked, walks, tmp_path):
     # a torque is an axial vector
     compared("mirrored", plain[:, [3, 4, 5, 0, 1, 2]] * [-1, 1, -1, 1], found)
     assert np.abs(plain[:3] - plain[:3, [3, 4, 5, 0, 1, 2]]).max() > 0.1 * np.abs(plain[:3]).max()
-
-
-@pytest.fixture(scope="module")
-def scene_file(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scenes") / "scene.toml"
-    write_scene(WALK, path)
-    return path
-
-
-def begin(scene, out, ready):
-    """Start `shellform run`; returns the program once `ready()`."""
-    state = ("--dressed", dressed("compliant").path, "--no-pictures")
-    words = [sys.executable, "-m", "shellform", "run", scene, "--out", out, *state]
-    program = subprocess.Popen(
-        [*map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    end = time.monotonic() + PATIENCE
-    while not ready():
-        assert program.poll() is None, program.communicate()[1]
-        assert time.monotonic() < end, "nothing written yet"
-        time.sleep(0.01)
-    return program
-
-
-@pytest.fixture(scope="module")
-def killed(scene_file, tmp_path_factory):
-    """Folder of a run that was killed some time after its first checkpoint."""
-    out = tmp_path_factory.mktemp("killed")
-    program = begin(scene_file, out, (out / "checkpoint.npz").exists)
-    program.send_signal(signal.SIGKILL)
-    program.communicate()
-    assert program.returncode == -signal.SIGKILL and not (out / "summary.json").exists()
-    return out
-
-
-def copied(folder, to):
-    return Path(shutil.copytree(folder, to / "copy"))
-
-
-def same_as_uninterrupted(out, whole, bar=1e-6):
-    """Torques of all windows, forces and frames of a run that was stopped and gone on with."""
-    one, other = torques(whole), torques(out)
-    off = np.abs(one - other).max() / np.abs(one).max()
-    print(f"gone on with: torques differ by {off:.1e} of the largest")
-    assert one.shape == other.shape and off <= bar
-    rows, again = table(whole / "ledger.csv"), table(out / "ledger.csv")
-    names = build.wearer_of(WALK).names
-    forces, others = contact_forces(rows, names), contact_forces(again, names)
-    assert np.abs(forces - others).max() <= bar * np.abs(forces).max()
-    frames = [re.findall('timestep="(.*?)"', (f / "series.pvd").read_text()) for f in (whole, out)]
-    assert frames[0] == frames[1]
-    one, other = (json.loads((f / "summary.json").read_text())["results"] for f in (whole, out))
-    assert set(one) == set(other) and one["dressing"] == other["dressing"]
-    assert one["max_penetration"] == pytest.approx(other["max_penetration"], rel=bar)
-    for joint, numbers in one["joints"].items():
-        for key in ("peak_torque", "rms_torque", "work", "resistance"):
-            assert other["joints"][joint][key] == pytest.approx(numbers[key], rel=1e-6, abs=bar)
-
-
-@pytest.mark.serial
-@pytest.mark.slow
-def test_killed_run_goes_on(walked, killed, tmp_path):
-    """As if it had not been killed; a run without pictures loads nothing that draws."""
-    out = copied(killed, tmp_path)
-    code = (
-        "import sys\n"
-        "from shellform import console\n"
-        "from shellform.__main__ import main\n"
-        "console.run(main, ['resume', sys.argv[1], '--no-pictures'])\n"
-        "unasked = ['matplotlib', 'PIL', 'ezc3d', 'gmsh', 'shellform.pictures.walk']\n"
-        "unasked += ['shellform.dynamics.mass_spring', 'shellform.dynamics.implicit']\n"
-        "unasked += ['shellform.motion.capture.read_motion']\n"
-        "print('unasked:', [name for name in unasked if name in sys.modules])\n"
-    )
-    words = [sys.executable, "-c", code, str(out)]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
-    assert done.returncode == 0, done.stderr
-    assert "unasked: []" in done.stdout
-    assert "right_knee" in done.stdout and not list(out.glob("*.png"))
-    same_as_uninterrupted(out, walked[0])
-
-
-@needs_mpirun
-@pytest.mark.serial
-@pytest.mark.slow
-def test_killed_run_goes_on_on_two_ranks(walked, killed, tmp_path):
-    """Sums in another order: 1e-6 of the largest torque for 0.1 s, then chaos."""
-    out = copied(killed, tmp_path)
-    with np.load(out / "checkpoint.npz") as state:
-        done = int(state["done"])
-    program = launch(2, "-m", "shellform", "resume", out, "--no-pictures", timeout=PATIENCE)
-    assert program.returncode == 0, program.stderr[-2000:]
-    one, two = torques(walked[0]), torques(out)
-    off = np.abs(one - two).max(axis=(1, 2)) / np.abs(one).max()
-    print("two ranks: windows differ by", *(f"{x:.0e}" for x in off[done:]))
-    assert one.shape == two.shape
-    assert np.array_equal(one[:done], two[:done])  # rows of the file
-    assert 0 < off[done : done + 5].max() < 1e-6
-    found = json.loads((out / "summary.json").read_text())
-    assert found["ranks"] == 2 and found["results"]["force_balance_error"] < 1e-6
-
-
-@pytest.mark.serial
-@pytest.mark.slow
-def test_stopped_run_goes_on(walked, scene_file, tmp_path, capsys):
-    """Ctrl-C ends a run with a sentence, a checkpoint and exit code 130; `resume` ends the rest."""
-    out = tmp_path / "stopped"
-
-    def walking():
-        file = out / "torque.csv"
-        return file.exists() and file.read_text().count("\n") > 1
-
-    program = begin(scene_file, out, walking)
-    program.send_signal(signal.SIGINT)
-    _, said = program.communicate(timeout=PATIENCE)
-    assert program.returncode == 130
-    assert said.count("\n") == 1 and f"go on with: shellform resume {out}" in said
-    assert (out / "checkpoint.npz").exists() and not (out / "summary.json").exists()
-    main(["resume", str(out), "--no-pictures"])
-    assert "torque.csv" in capsys.readouterr().out
-    same_as_uninterrupted(out, walked[0])

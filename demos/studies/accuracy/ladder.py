@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Runs of a case of trade_cases.py within a budget, with their memory; medians of short ones."""
+"""Runs of a case of cases.py within a budget, with their memory; medians of short ones."""
 
 import gc
 import resource

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The tables of README from what was measured, shellform/accuracy/measured.csv; nothing is run.
+"""The tables of docs/accuracy.md from shellform/accuracy/measured.csv; nothing is run.
 
 `python -m demos.studies.accuracy.run --table` prints them.
 """
@@ -15,7 +15,7 @@ KINDS = ("spread", "step", "trick")
 CALLED = {"spread": "another start", "step": "half the time step"}
 
 
-def lines():
+def table_lines():
     """The three tables in Markdown."""
     return [*meshes(), "", *words(), "", *changes()]
 

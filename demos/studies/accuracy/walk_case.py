@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The walk in the trade between error and cost: level walking in compliant trousers.
+"""The walk of the study of error against cost: level walking in compliant trousers.
 
 Folds choose among many states, so two runs that differ by next to nothing end up with folds of
 their own. Other starts are runs, dressed anew, with a belt of a tension 0.1 % away: what these

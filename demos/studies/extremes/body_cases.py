@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Points and patches of cloth that meet bodies under extreme conditions; see extremes_of_bodies.py.
+"""Points and patches of cloth that meet bodies under extreme conditions; see bodies.py.
 
 Points of mass meet a body by `contact.Correction`, a patch of cloth by `Contact` under explicit
 and implicit steps.

@@ -157,7 +157,7 @@ def trc(path, markers, rate=None, frames=None, count=None, unit="m"):
 
 
 def rows():
-    """Rows (direction, value, verdict, figure), as in extremes_of_bodies.py."""
+    """Rows (direction, value, verdict, figure), as in bodies.py."""
     from demos.studies.extremes.bodies import row
 
     out = []
