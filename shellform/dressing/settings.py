@@ -16,7 +16,7 @@ def borrowed(stepper: Newmark) -> Iterator[None]:
     Drag [1/s], friction and the ellipsoids that nodes may meet are afterwards what they were. After
     an error the sheet, its clock and the forces applied to it are so too.
     """
-    contact, forces = require_contact(stepper, "dressing"), list(stepper.applied_forces)
+    contact, forces = require_contact(stepper, "dressing"), list(stepper.external.applied)
     allowed = contact.correction.allowed
     drag, friction, reach = stepper.drag, contact.friction, allowed.copy()
     before = State(stepper).keep()
@@ -24,7 +24,7 @@ def borrowed(stepper: Newmark) -> Iterator[None]:
         yield
     except BaseException:
         before.restore()
-        stepper.applied_forces[:] = forces
+        stepper.external.applied[:] = forces
         raise
     finally:
         stepper.drag, contact.friction = drag, friction

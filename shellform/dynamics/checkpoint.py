@@ -14,7 +14,6 @@ import numpy as np
 from shellform import __version__
 
 from .explicit import Newmark
-from .state import clock, set_clock
 
 
 def save(path: str | Path, stepper: Newmark, more: dict[str, Any] | None = None) -> None:
@@ -30,10 +29,10 @@ def save(path: str | Path, stepper: Newmark, more: dict[str, Any] | None = None)
         "w": gather(stepper.owned, root=0),
         "v": gather(stepper.v, root=0),
         "q": gather(stepper.q, root=0),
-        "clock": clock(stepper),
+        "clock": stepper.clock.numbers(),
         "cut": np.array(stepper.rewind.cut),
-        "work": comm.allreduce(stepper.works),
-        "totals": comm.allreduce(stepper.totals),
+        "work": comm.allreduce(stepper.books.works),
+        "totals": comm.allreduce(stepper.books.impulses),
         "version": np.array(__version__),
     } | (more or {})
     for part in stepper.parts:
@@ -68,11 +67,11 @@ def load(path: str | Path, stepper: Newmark) -> dict[str, np.ndarray]:
     stepper.w[:] = state["w"][partition.nodes]
     nodes = partition.owned_nodes
     stepper.v[:], stepper.q[:] = state["v"][nodes], state["q"][nodes]
-    set_clock(stepper, state["clock"])
+    stepper.set_clock(state["clock"])
     stepper.rewind.cut = float(state["cut"])
     # sums over ranks live on the first one
-    stepper.works[:] = state["work"] if first else 0.0
-    stepper.totals[:] = state["totals"] if first else 0.0
+    stepper.books.works[:] = state["work"] if first else 0.0
+    stepper.books.impulses[:] = state["totals"] if first else 0.0
     if stepper.contact is not None:
         if "segment" not in state:
             raise ValueError(f"{path} holds no state of contact")

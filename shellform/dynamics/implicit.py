@@ -35,6 +35,7 @@ from shellform.errors import NotConverged
 from shellform.fem.director import along, carry
 from shellform.statics.newton import Newton
 
+from .books import BY_LOADS, EXTERNAL
 from .implicit_equilibrium import Inertial
 from .implicit_supports import book_drag, constrain, slowed
 from .time_stepper import Stepper
@@ -66,7 +67,7 @@ class ImplicitNewmark(Stepper):
         directors along the sphere [1/s^2]; set it to None after a jump of the loads or a change of
         positions
     newton_iterations, cutbacks : int, totals; solves : int, of which several a step with contact
-    work, external_total, support_total, drag_total : see Newmark; "internal" is not booked
+    books : see books.py; the work of internal forces is not booked
 
     Raises
     ------
@@ -109,10 +110,6 @@ class ImplicitNewmark(Stepper):
         self._mass6 = np.repeat(np.column_stack([self.mass, self.inertia]), 3, axis=1)
         self.a = None
         self.newton_iterations = self.cutbacks = self.solves = 0
-        self.last_dt = 0.0
-        self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
-        self.external_total, self.support_total = np.zeros(3), np.zeros(3)
-        self.drag_total = np.zeros(3)
 
     @property
     def held(self):
@@ -123,6 +120,12 @@ class ImplicitNewmark(Stepper):
     def check_step(self):
         """Take over positions, velocities and time set from outside (mass_spring.hand_over)."""
         self.a = None
+
+    def describe(self):
+        """See Stepper."""
+        plan = super().describe()
+        plan["terms"] += ["drag"] if self.drag else []
+        return plan
 
     def velocities(self):
         """Velocities (n_owned, 3) of nodes [m/s] and directors [1/s] at the present time."""
@@ -170,7 +173,7 @@ class ImplicitNewmark(Stepper):
             return False
         self._finish(old, force, outer, dt)
         self.newton_iterations += done[0]
-        self.time, self.steps = self.time + dt, self.steps + 1
+        self.clock.time, self.clock.steps = self.time + dt, self.steps + 1
         for part in self.parts:
             part(self, dt)
         self.check_finite(self.owned.sum() + self.v.sum() + self.q.sum(), dt)
@@ -228,8 +231,8 @@ class ImplicitNewmark(Stepper):
         constrain(self, free, self.time + dt, dt)
         if self.contact is not None:
             self._pushed = self.contact.push(self, v_old, mean[:, :3], moved, dt)
-        self.external_total += dt * pull.sum(axis=0)
-        self.work["external"] += np.vdot(pull, moved)
+        self.books.impulses[BY_LOADS] += dt * pull.sum(axis=0)
+        self.books.works[EXTERNAL] += np.vdot(pull, moved)
 
     def _choose_step(self, dt, error, iterations):
         growth = 1.5 if iterations <= 8 else 0.7

@@ -20,6 +20,7 @@ import numpy as np
 from shellform.fem.director import along, carry
 from shellform.fem.lumped_mass import ROTARY_SCALE
 
+from .books import BY_LOADS, EXTERNAL
 from .implicit import ImplicitNewmark
 from .implicit_supports import book_drag, constrain, slowed
 
@@ -79,5 +80,5 @@ class ImplicitMidpoint(ImplicitNewmark):
         self.scatter()
         self.equilibrium.adopt()
         self.a, self._force, self._outer = force, force, outer
-        self.external_total += dt * outer.sum(axis=0)
-        self.work["external"] += np.vdot(outer, self.owned[:, :3] - old[:, :3])
+        self.books.impulses[BY_LOADS] += dt * outer.sum(axis=0)
+        self.books.works[EXTERNAL] += np.vdot(outer, self.owned[:, :3] - old[:, :3])

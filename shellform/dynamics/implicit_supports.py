@@ -6,7 +6,8 @@ Drag acts before the forces of a step: a node at rest feels none, so it leaves w
 
 import numpy as np
 
-from shellform.fem.director import along
+from .books import BY_DRAG, BY_SUPPORTS, DRAG, SUPPORT
+from .prescribed_motion import rate_at
 
 
 def slowed(stepper, dt):
@@ -22,8 +23,8 @@ def book_drag(stepper, after):
     before = np.hstack([stepper.v, stepper.q])
     inertia = np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1)
     push = inertia * (after - before)
-    stepper.work["drag"] -= 0.5 * np.vdot(push, after + before)
-    stepper.drag_total += push[:, :3].sum(axis=0)
+    stepper.books.works[DRAG] -= 0.5 * np.vdot(push, after + before)
+    stepper.books.impulses[BY_DRAG] += push[:, :3].sum(axis=0)
 
 
 def constrain(stepper, free, time, dt):
@@ -34,23 +35,11 @@ def constrain(stepper, free, time, dt):
     velocity = stepper.equilibrium.free_part(free)
     stepper.v[:], stepper.q[:] = velocity[:, :3], velocity[:, 3:]
     if stepper.equilibrium.moves:
-        follow(stepper, time, 1e-3 * dt)
+        for nodes, v, q in rate_at(stepper, time, 1e-3 * dt):
+            if v is not None:
+                stepper.v[nodes] = v
+            if q is not None:
+                stepper.q[nodes] = q
     push = stepper.mass[:, None] * (stepper.v - free[:, :3])
-    stepper.support_total += push.sum(axis=0)
-    stepper.work["support"] += np.vdot(push, stepper.v)
-
-
-def follow(stepper, time, h):
-    """Velocities of nodes of prescribed motion: one-sided differences of second order over h.
-
-    Newmark's formula would give them a velocity that rings about the true one.
-    """
-    places = [stepper.shell.supports.prescribed(time - k * h) for k in range(3)]
-    for (local, u, d), (_, u1, d1), (_, u2, d2) in zip(*places, strict=True):
-        mine = local < stepper.n_owned
-        nodes = local[mine]
-        if u is not None:
-            stepper.v[nodes] = ((3 * u - 4 * u1 + u2) / (2 * h))[mine]
-        if d is not None:
-            turn = ((3 * d - 4 * d1 + d2) / (2 * h))[mine]
-            stepper.q[nodes] = turn - along(turn, stepper.owned[nodes, 3:])
+    stepper.books.impulses[BY_SUPPORTS] += push.sum(axis=0)
+    stepper.books.works[SUPPORT] += np.vdot(push, stepper.v)

@@ -29,12 +29,12 @@ def stable_step(stepper, iterations=30):
 
 def largest_eigenvalue(stepper, iterations):
     """Largest eigenvalue omega^2 [1/s^2] of M^-1 K on what supports leave free, from below."""
-    comm, n, w, owned = stepper.shell.comm, stepper.n_owned, stepper.w, stepper.owned
-    held, plane, internal = stepper.held, stepper.plane, stepper.internal
+    comm, w, owned = stepper.shell.comm, stepper.w, stepper.owned
+    held, plane, elastic = stepper.nodes.held, stepper.nodes.plane, stepper.force_model.elastic
     root = np.sqrt(np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1))
     cell = stepper.shell.surface.mean_cell_size
     base, d = owned.copy(), owned[:, 3:].copy()
-    r = internal(w)[:n].copy()
+    r = elastic(w).copy()
     pull = np.sum(r[:, 3:] * d, axis=1, keepdims=True)
 
     def admissible(y):
@@ -58,7 +58,7 @@ def largest_eigenvalue(stepper, iterations):
         for sign in (1, -1):
             owned[:] = base + sign * h * y
             stepper.scatter()
-            sides.append(internal(w)[:n].copy())
+            sides.append(elastic(w).copy())
         z = (sides[0] - sides[1]) / (2 * h)
         z[:, 3:] -= pull * y[:, 3:]
         return admissible(z) / root

@@ -99,7 +99,7 @@ class Rewind:
             ) from fault
         self.cut *= 0.5
         self.cutbacks += 1
-        stepper.critical_dt = stepper.find_stable_step()
+        stepper.clock.critical_dt = stepper.find_stable_step()
         stepper.dt = min(0.5 * failed, self.cut * stepper.factor * stepper.critical_dt)
 
     def _keep(self):
@@ -127,6 +127,7 @@ class Rewind:
         if not energy <= allowed:
             raise Unstable(
                 f"energy from nothing at t = {stepper.time:.6g} s, step {stepper.steps} of "
-                f"{stepper.last_dt:.3g} s: {stepper.shell.surface.source} has {energy:.3g} J, "
+                f"{stepper.clock.last_dt:.3g} s: {stepper.shell.surface.source} has "
+                f"{energy:.3g} J, "
                 f"{self.excess:.3g} J of it neither from loads nor supports nor body"
             )

@@ -16,6 +16,7 @@ from shellform.errors import Unstable
 from shellform.fem.lumped_mass import lumped
 
 from . import explicit_kernels
+from .books import BY_DRAG, BY_LOADS, BY_SUPPORTS, Clock, new_books
 from .part import AppliedForce, Attachable, Function, Part, RunningContact
 
 
@@ -34,7 +35,7 @@ class Stepper:
         directors [1/s]
     mass, inertia : (n_owned,) [kg, kg m^2]; points : (n_owned, 3), reference positions [m]
     v_old : (n_owned, 3) or None, node velocities before the last kick
-    time, dt : float [s]; steps : int
+    clock : Clock, of which `time`, `dt` and `steps` are; books : Books
     parts : list of Part, in the order of their turns in a step, see `add`
     contact : RunningContact or None, the one among them
     """
@@ -56,7 +57,7 @@ class Stepper:
         self.mass, self.inertia = mass[partition.owned_nodes], inertia[partition.owned_nodes]
         self.v, self.q = np.zeros((n, 3)), np.zeros((n, 3))
         self.v_old = None
-        self.time, self.steps = 0.0, 0
+        self.clock, self.books = Clock(), new_books()
         self.ts = PETSc.TS().create(shell.comm)
         self.ts.setOptionsPrefix(prefix)
         self.ts.setType(PETSc.TS.Type.PYTHON)
@@ -67,6 +68,64 @@ class Stepper:
         self._ts_vector = shell.w.vector.duplicate()
         self.ts.setSolution(self._ts_vector)
         self.ts.setFromOptions()
+
+    @property
+    def time(self) -> float:
+        """Present time [s]; may be set between calls of `advance`."""
+        return self.clock.time
+
+    @time.setter
+    def time(self, value: float) -> None:
+        self.clock.time = value
+
+    @property
+    def dt(self) -> float:
+        """Step [s] to take next; may be set between calls of `advance`."""
+        return self.clock.dt
+
+    @dt.setter
+    def dt(self, value: float) -> None:
+        self.clock.dt = value
+
+    @property
+    def steps(self) -> int:
+        """Steps taken so far."""
+        return self.clock.steps
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Works [J] on this rank by kind, see books.py."""
+        return self.books.by_kind()
+
+    @property
+    def external_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of the loads on this rank's nodes so far."""
+        return self.books.impulses[BY_LOADS]
+
+    @property
+    def support_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of the supports on this rank's nodes so far."""
+        return self.books.impulses[BY_SUPPORTS]
+
+    @property
+    def drag_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of drag on this rank's nodes so far."""
+        return self.books.impulses[BY_DRAG]
+
+    def describe(self) -> dict[str, Any]:
+        """What is modelled, for the plan of a run: element, terms, loads, contact."""
+        plan = self.shell.plan()
+        plan["terms"] += ["inertia", "rotary inertia"]
+        return plan | self.describe_contact()
+
+    def describe_contact(self) -> dict[str, Any]:
+        """Names of the segments in contact and coefficients of friction, where there are any."""
+        if self.contact is None:
+            return {}
+        plan: dict[str, Any] = {"contact": list(self.contact.body.names)}
+        if self.contact.friction[0] > 0:
+            plan["friction"] = list(self.contact.friction)
+        return plan
 
     def add(self, part: Attachable | Callable[[Any, float], object]) -> Any:
         """Let a part run with the steps, see part.py; returns the running part.
@@ -150,7 +209,7 @@ class Stepper:
         """
         kinetic, strain = self.momenta()[2], sum(self.strain_energy().values())
         work = {kind: self.shell.comm.allreduce(value) for kind, value in self.work.items()}
-        return {"damping": 0.0} | work | {"kinetic": kinetic, "strain": strain}
+        return work | {"kinetic": kinetic, "strain": strain}
 
     def check_finite(self, total, dt, fault=None):
         """Raise Unstable on all ranks if the sum of any rank's coordinates is not finite.

@@ -20,7 +20,7 @@ from shellform.fem.shell import Shell
 
 if TYPE_CHECKING:
     # a static run loads no stepper
-    from shellform.dynamics.explicit import Newmark
+    from shellform.dynamics.time_stepper import Stepper
 
 from .files import write_atomically
 
@@ -62,7 +62,7 @@ class Report:
     def describe(
         self,
         shell: Shell,
-        stepper: Newmark | None = None,
+        stepper: Stepper | None = None,
         /,
         **plan: Any,
     ) -> None:
@@ -74,7 +74,8 @@ class Report:
             "nodes": len(surface.points),
             "dofs": 5 * len(surface.points) - held,
         }
-        self.summary["plan"] |= modelled(shell, stepper) | plan
+        made = shell.plan() if stepper is None else stepper.describe()
+        self.summary["plan"] |= made | plan
 
     def write(self, results: dict, **entries: Any) -> None:
         """Write summary.json with the results of the run."""
@@ -91,26 +92,6 @@ class Report:
         if self.comm.rank == 0:
             text = json.dumps(self.summary, indent=2, default=_plain)
             write_atomically(self.folder / "summary.json", text + "\n")
-
-
-def modelled(shell: Shell, stepper: Newmark | None = None) -> dict:
-    """Plan of a run that has no scene: of a shell at rest, or with its explicit steps and contact.
-
-    Keys are those of simulation/plan.py; what is not computed is not in it.
-    """
-    plan = shell.plan()
-    contact = None
-    if stepper is not None:
-        contact = stepper.contact
-        plan["terms"] += ["inertia", "rotary inertia"]
-        damped = {"drag": stepper.drag, "damping": stepper.damping}
-        plan["terms"] += [name for name, value in damped.items() if value]
-    if contact is not None:
-        plan["contact"] = list(contact.body.names)
-        friction = contact.friction
-        if friction[0] > 0:
-            plan["friction"] = list(friction)
-    return plan
 
 
 def versions() -> dict[str, str]:

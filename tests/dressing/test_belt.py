@@ -283,5 +283,5 @@ def test_hands_hold_the_weight():
     stepper.advance(0.8)
     fallen = comm.allreduce(height - stepper.mass @ stepper.owned[:, 2]) * G / weight
     # velocities of half steps: they began to grow half a step earlier
-    seconds = 0.1 + 0.5 * stepper.last_dt
+    seconds = 0.1 + 0.5 * stepper.clock.last_dt
     assert fallen == pytest.approx(0.5 * G * seconds**2, rel=1e-5)

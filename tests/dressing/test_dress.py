@@ -108,7 +108,7 @@ def dressed(fabric):
         ledger.rows,
         model.weight,
         model.shell.partition.gather(correction.allowed[:, None].astype(float))[:, 0],
-        len(model.stepper.applied_forces),
+        len(model.stepper.external.applied),
     )
 
 
@@ -302,7 +302,7 @@ def changed_by_dressing(model):
     """What dressing changes of a stepper and its contact (copies)."""
     stepper, contact = model.stepper, model.contact
     arrays = stepper.w, stepper.v, stepper.q, contact.correction.allowed, contact.friction
-    settings = stepper.time, stepper.drag, stepper.steps, *map(id, stepper.applied_forces)
+    settings = stepper.time, stepper.drag, stepper.steps, *map(id, stepper.external.applied)
     return [*(np.array(one) for one in arrays), np.array(settings)]
 
 

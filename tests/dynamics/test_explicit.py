@@ -14,8 +14,9 @@ from dolfinx.la import create_petsc_vector
 
 import meshes
 from shellform import Fabric, Shell
+from shellform.dynamics.books import new_books
 from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.explicit_kernels import book, drift
+from shellform.dynamics.explicit_kernels import Forces, Nodes, book, drift
 from shellform.dynamics.part import AppliedForce
 from shellform.errors import Unstable
 from shellform.fem.internal_force import InternalForce, by_segments
@@ -151,11 +152,15 @@ def test_impulses_are_booked_to_the_last_digits():
     Node by node the same rounding repeats: off by 1.8e-11 here, and growing with nodes and steps.
     """
     n, steps, force, dt = 500, 2000, np.full((500, 3), 1.962 / 625), 1.72e-4
-    v, held = np.zeros((n, 3)), np.zeros((n, 4), bool)
-    r, mass, impulse, booked = np.zeros((n, 6)), np.ones(n), 3.0 * force, np.zeros((3, 3))
+    v, impulse, books = np.zeros((n, 3)), 3.0 * force, new_books()
+    nodes = Nodes(np.ones(n), np.ones(n), np.zeros((n, 4), bool), np.zeros((n, 3)))
+    forces = Forces(np.zeros((n, 6)), force, impulse)
     for _ in range(steps):
-        book(v, v, v, r, force, held, mass, 0.0, dt, impulse, np.zeros(5), booked)
-    for found, one in ((booked[0, 0], force[0, 0] * dt), (booked[1, 0], impulse[0, 0])):
+        book(v, v, v, forces, nodes, 0.0, dt, books)
+    for found, one in (
+        (books.impulses[0, 0], force[0, 0] * dt),
+        (books.impulses[1, 0], impulse[0, 0]),
+    ):
         exact = n * steps * Fraction(one)
         worst = 0.5 * np.finfo(float).eps * (n + steps)
         assert abs(Fraction(found) - exact) <= worst * exact
@@ -258,7 +263,9 @@ def test_an_applied_force_is_external(amplitude):
         fallen = comm.allreduce(-9.81 * np.sum(newmark.mass * u[:, 2]))
         work = fallen - stored
         assert newmark.momenta()[2] - kinetic == pytest.approx(work, rel=1e-3)
-        half = 0.5 * newmark.last_dt * comm.allreduce(np.vdot(newmark.force, newmark.v))
+        half = (
+            0.5 * newmark.clock.last_dt * comm.allreduce(np.vdot(newmark.external.force, newmark.v))
+        )
         assert comm.allreduce(newmark.work["external"]) + half == pytest.approx(work, rel=1e-3)
     newmark.remove(springs)
     before = comm.allreduce(newmark.mass @ newmark.v)

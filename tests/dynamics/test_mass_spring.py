@@ -78,10 +78,10 @@ def test_strain_limit():
         a, most[bound] = p.mass @ p.v, 0.0
         for _ in range(200):
             p.step(p.dt)
-            x, s = p.points + p.owned[:, :3], p.internal
-            pairs = s.pairs[: s.limited]
+            x, s = p.points + p.owned[:, :3], p.force_model
+            pairs = s.table.pairs[: s.limited]
             length = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
-            most[bound] = max(most[bound], (length / s.rest[: s.limited]).max())
+            most[bound] = max(most[bound], (length / s.table.rest[: s.limited]).max())
         assert np.abs(p.mass @ p.v - a).max() < 1e-12
     assert most[0.1] < 1.1 + 0.02
     assert most[None] > 1.2
@@ -103,12 +103,14 @@ def test_second_order_in_time(bending, no_forms):
 
     p, end = pendulum(), 0.2
     free, n = ~p.held[:, :3], p.n_owned
-    w, weight = p.w.copy(), p.force.copy()
+    w, weight = p.w.copy(), p.external.force.copy()
 
     def rate(_, y):
         u, v = y.reshape(2, n, 3)
         w[:, :3] = u
-        return np.concatenate([v, free * (weight - p.internal(w)[:, :3]) / p.mass[:, None]]).ravel()
+        return np.concatenate(
+            [v, free * (weight - p.force_model.force(w, v, v, 0.0)[:, :3]) / p.mass[:, None]]
+        ).ravel()
 
     start = np.concatenate([np.zeros((n, 3)), p.v]).ravel()
     exact = solve_ivp(rate, (0, end), start, rtol=1e-11, atol=1e-13, method="DOP853").y[:, -1]

@@ -61,7 +61,7 @@ def test_no_array_nor_kernel_of_damping_without_it(monkeypatch, comm):
     plain = Newmark(shell)
     plain.advance(20 * plain.dt)
     assert calls == []
-    assert plain._field is shell.w and not plain.internal.damped
+    assert not plain.force_model.internal.damped
     assert not {"before", "step"} & set(vars(shell))  # of tangents and of rates
     damped = Newmark(sheet(comm=comm), damping=1e-5)
     damped.advance(20 * damped.dt)

@@ -214,7 +214,7 @@ def traffic(stepper):
     meter = Meter()
     with meter.watching():
         stepper.advance(stepper.time + stepper.dt)
-    quads = sum(a.nbytes for a in stepper.internal._quads)
+    quads = sum(a.nbytes for a in stepper.force_model.internal._quads)
     nodal = meter.bytes["nodal kernels"]
     return (quads + 3 * stepper.owned.nbytes + nodal) / len(stepper.mass)
 
