@@ -30,6 +30,7 @@ from shellform.console import parse, positive, run
 from shellform.contact_coupling.explicit_contact import ExplicitContact
 from shellform.dynamics import explicit_kernels
 from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.external_force import ExternalForce
 from shellform.dynamics.time_stepper import Stepper
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.quad_kernel import add_force
@@ -46,7 +47,7 @@ PARTS = {  # part -> what is timed: (owner, name)
     "internal force": [(InternalForce, "__call__")],
     "contact": [(ExplicitContact, "__call__")],
     "nodal kernels": [(explicit_kernels, name) for name in ("kick", "book", "drift", "ahead")],
-    "loads, belt": [(Newmark, "_update_loads")],
+    "loads, belt": [(ExternalForce, "update")],
     "torque, pressure": [(Torque, "__call__"), (Pressure, "__call__")],
     "exchange among ranks": [(Stepper, "scatter")],
     "stable step": [(Newmark, "find_stable_step")],
@@ -77,9 +78,7 @@ class Meter:
                 outer[0][0] += took
                 self.seconds[part] += took - inner
                 self.calls[part] += 1
-                self.bytes[part] = self.bytes.get(part, 0) + sum(
-                    a.nbytes for a in given if isinstance(a, np.ndarray)
-                )
+                self.bytes[part] = self.bytes.get(part, 0) + bytes_of(given)
 
         return call
 
@@ -97,6 +96,13 @@ class Meter:
         finally:
             for owner, name, function in kept:
                 setattr(owner, name, function)
+
+
+def bytes_of(given):
+    """Bytes of all arrays among arguments, those in records of arrays included."""
+    if isinstance(given, np.ndarray):
+        return given.nbytes
+    return sum(map(bytes_of, given)) if isinstance(given, tuple) else 0
 
 
 def profile(stepper, until):
