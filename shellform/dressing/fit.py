@@ -69,8 +69,9 @@ def elongation(positions: np.ndarray, directors: np.ndarray, surface: Surface) -
     near, cells = near_waist(surface), surface.cells[:, :4]
     pairs = np.stack([cells, np.roll(cells, -1, axis=1)], 2).reshape(-1, 2)
     pairs = pairs[~near[pairs].any(axis=1)]
+    at_rest = np.asarray(surface.directors)
     now = arc_lengths(positions[pairs], directors[pairs])
-    return now / arc_lengths(surface.points[pairs], surface.directors[pairs]) - 1
+    return now / arc_lengths(surface.points[pairs], at_rest[pairs]) - 1
 
 
 def arc_lengths(points: np.ndarray, directors: np.ndarray) -> np.ndarray:

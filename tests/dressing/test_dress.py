@@ -23,10 +23,11 @@ from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
 from shellform.results.ledger import Ledger
-from shellform.scene import wearer as build
 from shellform.scene.garment import garment_of
 from shellform.scene.parts import Garment, Motion
 from shellform.scene.scene import Scene
+from shellform.scene.wearer import fabric as fabric_of
+from shellform.scene.wearer import wearer_of
 from shellform.simulation.model import Model
 from tests.scene.test_wearer_and_garment import turned
 
@@ -116,7 +117,7 @@ def dressed(fabric):
 def standing():
     """Wearer and garment before; no finite elements."""
     scene = Scene(motion=SHORT)
-    wearer = build.wearer_of(scene)
+    wearer = wearer_of(scene)
     return wearer, garment_of(scene, wearer)
 
 
@@ -136,7 +137,7 @@ def test_outside_the_body(fabric):
     wearer, _ = standing()
     pose = wearer.new_pose(wearer.start)
     assert state.report["depth"] <= 1e-4
-    offset = 0.5 * build.fabric(Scene(fabric=fabric)).thickness
+    offset = 0.5 * fabric_of(Scene(fabric=fabric)).thickness
     met, deep = 0, np.zeros(len(state.positions), bool)
     for k, name in enumerate(wearer.names):
         may = np.round(state.allowed).astype(int) & wearer.mask([name]) != 0
@@ -257,7 +258,8 @@ def test_put_on_again_in_another_motion(monkeypatch):
     """Another walk that starts elsewhere, in another direction: the same drape about the body."""
     state = dressed("compliant")
     monkeypatch.setattr(
-        build, "synthetic_walk", lambda **kinds: turned(synthetic_walk(**kinds), -2.0, (1.0, 2.0))
+        "shellform.scene.wearer.synthetic_walk",
+        lambda **kinds: turned(synthetic_walk(**kinds), -2.0, (1.0, 2.0)),
     )
     model = Model(Scene(motion=Motion(end=0.5, obstacle=0.0)), COMM)
     report = model.put_on(state.path)

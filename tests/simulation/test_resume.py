@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from shellform.__main__ import main
-from shellform.scene import wearer as build
 from shellform.scene.scene_file import write_scene
+from shellform.scene.wearer import wearer_of
 from tests.dressing.test_dress import dressed
 from tests.simulation.test_run import WALK, contact_forces, table, torques
 from tests.test_parallel import launch, needs_mpirun
@@ -67,7 +67,7 @@ def same_as_uninterrupted(out, whole, bar=1e-6):
     print(f"gone on with: torques differ by {off:.1e} of the largest")
     assert one.shape == other.shape and off <= bar
     rows, again = table(whole / "ledger.csv"), table(out / "ledger.csv")
-    names = build.wearer_of(WALK).names
+    names = wearer_of(WALK).names
     forces, others = contact_forces(rows, names), contact_forces(again, names)
     assert np.abs(forces - others).max() <= bar * np.abs(forces).max()
     frames = [re.findall('timestep="(.*?)"', (f / "series.pvd").read_text()) for f in (whole, out)]

@@ -20,10 +20,10 @@ import pytest
 from shellform.fem.director import rotation_matrix
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.results.joint_torque import COLUMNS, rows_until
-from shellform.scene import wearer as build
 from shellform.scene.garment import garment_of
 from shellform.scene.parts import Motion, Output, Steps
 from shellform.scene.scene import Scene
+from shellform.scene.wearer import wearer_of
 from shellform.simulation.figures import draw
 from shellform.simulation.run import run as run_scene
 from shellform.simulation.summary import summary_lines
@@ -84,7 +84,7 @@ def test_forces_balance(walked):
     """
     out, results, _ = walked
     rows = table(out / "ledger.csv")
-    names = build.wearer_of(WALK).names
+    names = wearer_of(WALK).names
     t, p = np.array([row["time"] for row in rows]), vectors(rows, "momentum")
     needed = np.diff(p, axis=0) / np.diff(t)[:, None] + [0.0, 0.0, results["weight"]]
     off = np.abs(contact_forces(rows, names)[1:] - needed).max() / results["weight"]
@@ -92,7 +92,7 @@ def test_forces_balance(walked):
     print(f"forces balance to {100 * off:.3f} % of the weight; accelerations to {moved:.2f} g")
     assert off < 0.005 < 0.1 < moved
     assert results["force_balance_error"] < 1e-6
-    surface = garment_of(WALK, build.wearer_of(WALK))
+    surface = garment_of(WALK, wearer_of(WALK))
     corners = surface.points[surface.cells]
     one, other = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     area = 0.25 * np.linalg.norm(np.cross(one, other), axis=2).sum()
@@ -103,7 +103,7 @@ def test_segments_get_what_nodes_give(walked):
     """Wrenches of the segments are the forces of the frames, and give the torques of the file."""
     meshio = pytest.importorskip("meshio")
     out, results, watched = walked
-    rows, wearer = table(out / "ledger.csv"), build.wearer_of(WALK)
+    rows, wearer = table(out / "ledger.csv"), wearer_of(WALK)
     whole = contact_forces(rows, wearer.names)
     times = np.array([row["time"] for row in rows])
     frames = re.findall(r'timestep="(.*?)".*file="(.*?)"', (out / "series.pvd").read_text())
@@ -132,7 +132,7 @@ def test_segments_get_what_nodes_give(walked):
 def test_files_of_a_run(walked):
     """torque.csv, ledger.csv, series, checkpoint, dressed state, summary.json with its keys."""
     out, results, _ = walked
-    wearer = build.wearer_of(WALK)
+    wearer = wearer_of(WALK)
     rows = rows_until(out / "torque.csv", np.inf)
     assert tuple(rows[0]) == COLUMNS
     assert len(rows) == 6 * round((wearer.end - wearer.start) / WALK.output.window)
@@ -186,7 +186,7 @@ def walks(monkeypatch, tmp_path):
     """Function: torques of a run whose synthetic walk is made by another function."""
 
     def run(make, state):
-        monkeypatch.setattr(build, "synthetic_walk", make)
+        monkeypatch.setattr("shellform.scene.wearer.synthetic_walk", make)
         run_scene(WALK, tmp_path, COMM, state)
         return torques(tmp_path)
 
