@@ -246,6 +246,23 @@ class Correction:
         """Begin a new window."""
         self.window.clear()
 
+    def looks(self):
+        """What steps so far have found out of reach: (n, 6), way [m] and time [s] of the body.
+
+        It leaves out planes that do not push, which changes last digits at most: who goes on bit
+        for bit needs it. Sets of segments stand as the floats of the same bits.
+        """
+        time = np.nan if self._end_time is None else self._end_time
+        return self._clear.view(float).reshape(-1, 6).copy(), np.array([self._path, time])
+
+    def take_looks(self, records, body):
+        """Continue from `looks()`."""
+        self._clear[:] = np.ascontiguousarray(records).view(CLEAR).ravel()
+        self._path, time = body.tolist()
+        if not np.isnan(time):
+            self._end_time = time
+            self.body.pose(time, self._end)
+
     def state(self):
         """What the next step needs to know of this one, for `restore` (copies)."""
         return {"segment": self.segment.copy(), "sunk": self.sunk.copy()}

@@ -44,7 +44,7 @@ class Loft(NamedTuple):
     leg: np.ndarray
 
 
-def bridge_ends(hip_depth, hip_height, fork_height):
+def bridge_ends(hip_depth: float, hip_height: float, fork_height: float) -> np.ndarray:
     """Front and back end of the bridge and the fork, (3, 3) in m."""
     rise = hip_height - fork_height
     front, back = (
@@ -66,7 +66,7 @@ def _half_bridge(end, fork, sign):
     return bezier([end, end - first * _upward(sign), fork + last * side, fork])
 
 
-def bridge_cells(ends, cell_size):
+def bridge_cells(ends: np.ndarray, cell_size: float) -> int:
     """Number of segments of the bridge, an even number, so that the fork is a point of the mesh."""
     front, back, fork = ends
     halves = [_half_bridge(end, fork, sign)[0] for end, sign in ((front, 1.0), (back, -1.0))]
@@ -103,7 +103,15 @@ def _evenly(columns, count):
     return out
 
 
-def loft(waist, hip, thigh, knee, hem, ends, cell_size):
+def loft(
+    waist: np.ndarray,
+    hip: np.ndarray,
+    thigh: np.ndarray,
+    knee: np.ndarray,
+    hem: np.ndarray,
+    ends: np.ndarray,
+    cell_size: float,
+) -> Loft:
     """Rows of points through five rings and the fork.
 
     Parameters

@@ -108,7 +108,7 @@ def step_of(case: str, size: float, path: Path = TABLE) -> float:
     return size * float(np.median([r["time_step"] / (r["ratio"] * r["length"]) for r in rows]))
 
 
-def seconds(case: str, family: str, nodes: int, steps: float, path: Path = TABLE) -> float:
+def seconds(case: str, family: str, nodes: float, steps: float, path: Path = TABLE) -> float:
     """Core-seconds of a run here and now, from those measured and the speed of this machine."""
     fixed, each, *_ = cost(case, family, path)
     mine = (case, "machine")
@@ -116,7 +116,7 @@ def seconds(case: str, family: str, nodes: int, steps: float, path: Path = TABLE
     return steps * (fixed + each * nodes) * (machine() / then[0] if then else 1.0)
 
 
-def memory(case: str, family: str, nodes: int, path: Path = TABLE) -> float:
+def memory(case: str, family: str, nodes: float, path: Path = TABLE) -> float:
     """Peak memory [MB] of a run."""
     *_, fixed, each = cost(case, family, path)
     return fixed + each * nodes

@@ -90,7 +90,7 @@ def dress(
 def drop_below(surface: Surface, wearer: Wearer, time: float) -> float:
     """How far [m] a garment is let down so that its waist edge is below all but the feet."""
     pose = wearer.new_pose(time)
-    legs = [k for k, segment in enumerate(wearer.segments) if not segment.endswith("foot")]
+    legs = [k for k, segment in enumerate(wearer.carriers) if not segment.endswith("foot")]
     # an ellipsoid reaches sqrt(sum (r_i e_i . z)^2) below its centre
     reach = np.sqrt(np.sum((wearer.radii[legs] * pose.axes[legs, :, 2]) ** 2, axis=1))
     low = (pose.centres[legs, 2] - reach).min()
@@ -100,7 +100,7 @@ def drop_below(surface: Surface, wearer: Wearer, time: float) -> float:
 
 def feet(wearer: Wearer) -> int:
     """The feet as a set of ellipsoids, in bits."""
-    return wearer.mask([n for n, s in zip(wearer.names, wearer.segments) if s.endswith("foot")])
+    return wearer.mask([n for n, s in zip(wearer.names, wearer.carriers) if s.endswith("foot")])
 
 
 def _hands(stepper: Newmark, dressing: Dressing, places: Callable) -> Hands:

@@ -22,6 +22,7 @@ from contact.kernel import kernel
 from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.part import Part
+from shellform.motion.joint_parts import chosen_parts
 from shellform.motion.wearer import Wearer
 
 from .files import write_atomically
@@ -156,22 +157,6 @@ def rows_until(path, time):
         rows = list(csv.DictReader(file))
     rows = [{k: v if k == "joint" else float(v) for k, v in row.items()} for row in rows]
     return [row for row in rows if row["time"] <= time + 1e-9]
-
-
-def chosen_parts(wearer, parts):
-    """joint -> names of the ellipsoids that count, see `Torque`."""
-    if parts == "distal":
-        return {joint: wearer.below(joint) for joint in wearer.joints}
-    if parts == "child":
-        return {joint: wearer.just_below(joint) for joint in wearer.joints}
-    if not isinstance(parts, dict):
-        raise ValueError(f"parts of a torque are 'distal', 'child' or a table, not {parts!r}")
-    for joint, names in parts.items():
-        if joint not in wearer.joints:
-            raise ValueError(f"no joint '{joint}'; there are: {', '.join(wearer.joints)}")
-        for name in names:
-            wearer.index(name)
-    return {joint: list(parts.get(joint, wearer.below(joint))) for joint in wearer.joints}
 
 
 def line(row):

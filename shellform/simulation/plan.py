@@ -18,10 +18,11 @@ from collections.abc import Sequence
 from meshes import Surface
 from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
+from shellform.material.card import fabric_of
 from shellform.motion.wearer import Wearer
 from shellform.scene.garment import garment_of
 from shellform.scene.scene import Scene
-from shellform.scene.wearer import dressed_wearer, fabric, wearer_of
+from shellform.scene.wearer import dressed_wearer, wearer_of
 
 SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
 
@@ -48,7 +49,7 @@ def plan_of(
     surface = garment_of(scene, wearer) if surface is None else surface
     near = dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
-    terms = [*terms_of(fabric(scene)), "inertia", "rotary inertia"]
+    terms = [*terms_of(fabric_of(scene.fabric)), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
     plan: dict = {
         "element": f"{surface.kind} of degree {surface.degree}",

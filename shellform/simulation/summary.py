@@ -5,12 +5,12 @@ import json
 from itertools import pairwise
 from pathlib import Path
 
+from shellform.material.card import fabric_of
 from shellform.motion.recording import SIDES
 from shellform.results.joint_torque import resistance
 from shellform.results.report import Report
 from shellform.scene.parts import PARTS
 from shellform.scene.scene import Scene
-from shellform.scene.wearer import fabric
 
 from .model import Model
 from .plan import plan_of
@@ -87,7 +87,7 @@ def settings(scene: Scene) -> dict:
     """A scene as plain values for summary.json."""
     values = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
     values |= {name: dict(vars(getattr(scene, name))) for name in PARTS}
-    cloth = fabric(scene)
+    cloth = fabric_of(scene.fabric)
     return values | {"fabric": {"name": cloth.name, "summary": cloth.summary()}}
 
 

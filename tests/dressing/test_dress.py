@@ -19,6 +19,7 @@ from shellform.dressing.dress import drop_below
 from shellform.dressing.fit import elongation
 from shellform.dressing.procedure import Dressing
 from shellform.dressing.saved_state import put_on, save
+from shellform.material.card import fabric_of
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
@@ -26,7 +27,6 @@ from shellform.results.ledger import Ledger
 from shellform.scene.garment import garment_of
 from shellform.scene.parts import Garment, Motion
 from shellform.scene.scene import Scene
-from shellform.scene.wearer import fabric as fabric_of
 from shellform.scene.wearer import wearer_of
 from shellform.simulation.model import Model
 from tests.scene.test_wearer_and_garment import turned
@@ -137,7 +137,7 @@ def test_outside_the_body(fabric):
     wearer, _ = standing()
     pose = wearer.new_pose(wearer.start)
     assert state.report["depth"] <= 1e-4
-    offset = 0.5 * fabric_of(Scene(fabric=fabric)).thickness
+    offset = 0.5 * fabric_of(fabric).thickness
     met, deep = 0, np.zeros(len(state.positions), bool)
     for k, name in enumerate(wearer.names):
         may = np.round(state.allowed).astype(int) & wearer.mask([name]) != 0

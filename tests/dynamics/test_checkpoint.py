@@ -63,6 +63,29 @@ def test_goes_on_bit_for_bit(samples, shared_tmp_path, comm):
     assert stepper.balance()["damping"] == pytest.approx(other.balance()["damping"], rel=1e-9)
 
 
+@pytest.mark.parametrize("samples", ["nodes", 1])
+def test_looks_go_on(samples, shared_tmp_path, comm):
+    """Who looks anew for segments out of reach finds other planes to leave out: other last digits.
+
+    The same closest points are looked for after a restart as without, step by step.
+    """
+    stepper, touch = scene(samples=samples)
+    steps(stepper, 103)
+    checkpoint.save(shared_tmp_path / "c.npz", stepper)
+    comm.Barrier()
+    other, other_touch = scene(samples=samples)
+    checkpoint.load(shared_tmp_path / "c.npz", other)
+    evaluated = []
+    for _ in range(60):
+        for one in (stepper, other):
+            steps(one, 1)
+        counts = [t.correction.evaluated for t in (touch, other_touch)]
+        evaluated.append([comm.allreduce(count) for count in counts])
+    whole, again = np.array(evaluated).T
+    assert len({*whole.tolist()}) > 1  # some steps look, some do not
+    assert np.array_equal(whole, again)
+
+
 def test_samples_need_their_state(shared_tmp_path, comm):
     stepper, _ = scene(samples=1)
     checkpoint.save(shared_tmp_path / "c.npz", stepper)

@@ -278,6 +278,6 @@ def test_a_rank_that_fails_in_a_step_ends_all(tmp_path):
     """The other waits for it in its next exchange of ghosts, and is ended all the same."""
     script = tmp_path / "fails.py"
     script.write_text(FAILS.format(tests=str(Path(__file__).resolve().parents[2])))
-    done = launch(2, script, timeout=120)
+    done = launch(2, script)
     assert done.returncode != 0
     assert "rank 1 gives up in a step" in done.stderr

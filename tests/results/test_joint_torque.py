@@ -15,9 +15,10 @@ from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.director import rotation_matrix
+from shellform.motion.joint_parts import chosen_parts
 from shellform.motion.recording import Recording
 from shellform.motion.wearer import Wearer
-from shellform.results.joint_torque import COLUMNS, Torque, add_torque, chosen_parts, resistance
+from shellform.results.joint_torque import COLUMNS, Torque, add_torque, resistance
 from shellform.results.ledger import Ledger
 from tests.motion.test_wearer import bent, standing, walking
 

@@ -17,10 +17,10 @@ import numpy as np
 
 from demos.studies.accuracy.cases import MESH, Case
 from shellform.accuracy.choice import garment_length
+from shellform.material.card import fabric_of
 from shellform.results.joint_torque import rows_until
 from shellform.scene.parts import Garment, Motion, Output, Steps
 from shellform.scene.scene import Scene
-from shellform.scene.wearer import fabric
 from shellform.simulation.error_study import curves
 from shellform.simulation.run import run
 from shellform.simulation.summary import summary_of
@@ -33,7 +33,7 @@ FIRST = 0.035  # m, cells of the runs that change something else
 def walk_case(folder, sizes=(0.04, FIRST, 0.0245, 0.02, 0.0175), seconds=SECONDS):
     """Case of the walk; runs leave their files in `folder`."""
     folder = Path(folder) / "walk"
-    length = garment_length(fabric(Scene(fabric="compliant")))
+    length = garment_length(fabric_of("compliant"))
 
     def run_with(settings):
         size = settings["cell_size"]
@@ -69,7 +69,7 @@ def walk_case(folder, sizes=(0.04, FIRST, 0.0245, 0.02, 0.0175), seconds=SECONDS
 
 def scene_of(settings, seconds):
     """Scene of the settings of a run."""
-    mass, cloth = settings.get("mass", 1.0), fabric(Scene(fabric="compliant"))
+    mass, cloth = settings.get("mass", 1.0), fabric_of("compliant")
     return Scene(
         fabric=replace(cloth, areal_mass=mass * cloth.areal_mass),
         gravity=9.81 / mass,

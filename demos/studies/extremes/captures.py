@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from shellform.motion.capture.markers import Markers
-from shellform.motion.capture.noise import left_by_low_pass
+from shellform.motion.capture.noise import residual_noise
 from shellform.motion.capture.read_motion import read_markers, recording
 from shellform.motion.capture.segment_map import SegmentMap
 from shellform.motion.gait.synthetic_walk import synthetic_walk
@@ -107,7 +107,7 @@ def noise_left(rms, cutoff=6.0):
     bent = np.diff(error, 2, axis=0) * clean.rate**2
     inner = slice(40, -40)
     measured = [float(np.sqrt(np.mean(np.sum(e[inner] ** 2, axis=2)))) for e in (error, bent)]
-    return measured, left_by_low_pass(rms, clean.rate, cutoff), dirty
+    return measured, residual_noise(rms, clean.rate, cutoff), dirty
 
 
 def turning(angle):
