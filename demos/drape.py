@@ -33,8 +33,6 @@ Default data: E t = 1000 N/m, nu = 0.3, bending of a sheet of 1 mm, 0.2 kg/m2, a
 import argparse
 import copy
 from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
 
 from mpi4py import MPI
 
@@ -322,7 +320,10 @@ def main(given=None):
         show(options, fall, results)
         with report.stage("output"):
             cells, apart = shell.surface.cells, output_times(options)[0]
-            draw(report.folder, fall.frames, cells, body, apart)
+            # only here: rank 0 alone draws
+            from shellform.pictures.cloth_on_body import draw_cloth_on_body
+
+            draw_cloth_on_body(report.folder, "drape", fall.frames, cells, body, apart)
     if options.stepper == "implicit":
         more, iterations = newton_results(fall, report)
         results |= more
@@ -371,67 +372,6 @@ def summarise(options, fall):
         "max_penetration": fall.deepest,
         "momentum_residual": max(row["momentum_residual"] for row in rows),
     }
-
-
-def draw(folder, frames, cells, body, seconds):
-    """drape.png, the last frame from two sides, and drape.gif, all frames.
-
-    Parameters
-    ----------
-    folder : path; frames : list of (points, directors); cells : (m, 4|9)
-    body : contact.body.segments.Body; seconds : float, between frames
-    """
-    # only here: rank 0 alone draws
-    from shellform.pictures.surfaces import (
-        ellipsoid_facets,
-        new_figure,
-        save_animation,
-        save_figure,
-    )
-
-    pose = body.new_pose()
-    body.pose(0.0, pose)
-    rims = list(zip(pose.centres, pose.axes, np.asarray(body.radii), strict=True))
-    skin = [ellipsoid_facets(*ellipsoid) for ellipsoid in rims]
-    # a cell of cloth is flat, the body is round: let the cloth win where they are this close
-    away = 0.5 * np.ptp(frames[0][0], axis=0).max() / np.sqrt(len(cells))
-    solids = [(facets, None, "#d8a48f", "#d8a48f", away) for facets in skin]
-    corners = np.concatenate([frames[0][0], frames[-1][0], *(s.reshape(-1, 3) for s in skin)])
-
-    view = partial(draw_frame, cells=cells, solids=solids, corners=corners, rims=rims)
-    figure, (left, right) = new_figure(1, (11, 5.5), "", columns=2)
-    view(left, frames[-1], -60, 8)
-    view(right, frames[-1], 30, 35)
-    save_figure(figure, Path(folder) / "drape.png")
-    images = []
-    for frame in frames:
-        figure, axes = new_figure(1, (5, 5), "", dpi=70)
-        view(axes, frame, -60, 20)
-        figure.canvas.draw()
-        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
-    save_animation(images, Path(folder) / "drape.gif", seconds)
-
-
-def draw_frame(axes, frame, azimuth, elevation, *, cells, solids, corners, rims):
-    """Cloth over its body, outlines dashed where cloth hides them, from one side."""
-    from shellform.pictures.surfaces import (
-        BACK,
-        CLOTH,
-        draw_surfaces,
-        ellipsoid_outline,
-        facets_and_sides,
-        view_axes,
-    )
-
-    cloth = facets_and_sides(*frame, cells)
-    draw_surfaces(axes, [(*cloth, CLOTH, BACK, 0.0), *solids], azimuth, elevation)
-    right, up, eye = view_axes(azimuth, elevation)
-    for ellipsoid in rims:
-        rim = ellipsoid_outline(*ellipsoid, eye)
-        axes.plot(rim @ right, rim @ up, "--", color="#8c4a32", lw=0.7)
-    spans = corners @ right, corners @ up
-    axes.set_xlim(spans[0].min() - 0.05, spans[0].max() + 0.05)
-    axes.set_ylim(spans[1].min() - 0.05, spans[1].max() + 0.05)
 
 
 if __name__ == "__main__":

@@ -102,10 +102,10 @@ def richardson(fine: ArrayLike, coarse: ArrayLike, by: float, order: float) -> f
 
 
 def companion_cells(cells: int, fewest: int) -> int:
-    """Number of cells of a run beside one with `cells`: half of them, where errors are a power yet.
+    """Number of cells of a run to compare one of `cells` with: half of them.
 
-    Not below the `fewest` for which that was seen; and half as many again where these are nearly
-    all.
+    Not below the `fewest` for which errors are a power yet; half as many again where these are
+    nearly all.
     """
     fewer = max(round(cells / 2), fewest)
     return fewer if fewer <= 0.75 * cells else int(np.ceil(1.5 * cells))

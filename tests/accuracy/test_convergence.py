@@ -58,12 +58,12 @@ def test_richardson_is_exact_for_a_power():
     assert richardson(value(0.1), value(0.2), 2.0, 2.0) == pytest.approx(0.2 * 0.01, rel=1e-9)
 
 
-@pytest.mark.parametrize(("cells", "beside"), [(40, 20), (19, 12), (14, 21)])
-def test_a_run_beside_has_cells_for_which_the_power_holds(cells, beside):
+@pytest.mark.parametrize(("cells", "other"), [(40, 20), (19, 12), (14, 21)])
+def test_a_companion_has_cells_for_which_the_power_holds(cells, other):
     """More cells or fewer: a power gives its error back."""
-    assert companion_cells(cells, 12) == beside
+    assert companion_cells(cells, 12) == other
     error = lambda n: 0.2 * n**-1.6  # noqa: E731
-    assert companion_error(error(cells) - error(beside), cells, beside, 1.6) == pytest.approx(
+    assert companion_error(error(cells) - error(other), cells, other, 1.6) == pytest.approx(
         error(cells)
     )
 

@@ -24,9 +24,9 @@ CLOTH = Fabric.isotropic(1e6, 0.3, thickness=1e-3, density=300.0)
 # what is loaded at the end of each stage of one process
 IMPORTS = """
 import json, sys
-told = {}
+loaded = {}
 def stage(name):
-    told[name] = sorted(sys.modules)
+    loaded[name] = sorted(sys.modules)
 
 import meshes
 from shellform import Fabric, Shell, Statics, console
@@ -60,7 +60,7 @@ from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of
 garment_of(Scene(), wearer_of(Scene()))
 stage("walking")
-print(json.dumps(told))
+print(json.dumps(loaded))
 """
 
 

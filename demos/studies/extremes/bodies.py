@@ -87,7 +87,7 @@ def shapes():
 
         def caught(r=radius, k=samples):
             out = over_rod(r, k)
-            figure = out["told"][0] if out["told"] else "held"
+            figure = out["notes"][0] if out["notes"] else "held"
             return (
                 "converges" if out["caught"] else "degrades: passes between the nodes, told"
             ), figure

@@ -171,7 +171,7 @@ def over_rod(radius, samples, seconds=0.12):
     out = cloth_on(stepper, body, seconds, samples=samples)
     free = 0.01 - 0.5 * G * seconds**2
     out["caught"] = bool(out["points"][:, 2].max() > free + 1e-3)
-    out["told"] = too_thin(body.names, body.radii, 0.04, 0.5 * CLOTH["thickness"], samples)
+    out["notes"] = too_thin(body.names, body.radii, 0.04, 0.5 * CLOTH["thickness"], samples)
     return out
 
 

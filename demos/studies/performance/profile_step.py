@@ -6,7 +6,7 @@ r"""Where the time of an explicit step goes, and how far that is from what the m
     mpirun -n 2 python -m demos.studies.performance.profile_step         # with what ranks exchange
 
 prints microseconds a node and step and the share of every part, as a table, and leaves
-summary.json. The machine's two limits are measured beside: a triad a = b + s c for the traffic to
+summary.json. The machine's two limits are measured too: a triad a = b + s c for the traffic to
 memory, polynomials in vector registers for arithmetic. Against them stand the arrays that a step
 must touch at least once, and the operations of the force, counted by running its Python on numbers
 that count.
