@@ -175,7 +175,7 @@ def show(goal, rows):
 
 def main(given=None):
     options = arguments(given)
-    report = Report(options.out, "capstan", vars(options), COMM)
+    report = Report(options.out, "capstan", dict(vars(options)), COMM)
     mu, angle = options.friction, np.radians(options.angle)
     arc, goal = angle * options.radius, exact(mu, angle)
     choice = cells_for(options) if options.cells is None else None
