@@ -19,13 +19,26 @@ class Contact:
     Parameters
     ----------
     body : Body, a Wearer among them
-    friction : float or (mu_s, mu_k)
+    friction : float, (mu_s, mu_k) or a law, see contact/solver/friction.py
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell (explicit
         steps)
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
-        each other (explicit steps, contact/solver/soft_crease.py); None: hard
+        each other (explicit steps, contact/solver/soft_contact.py); None: hard
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Newmark(shell)
+    >>> ball = sf.Body([sf.Segment("ball", [0.2] * 3, sf.Fixed((0.2, 0.2, -0.202)))])
+    >>> contact = stepper.add(sf.Contact(ball, friction=0.3))
+    >>> stepper.advance(0.05)
+    >>> bool(contact.window.impulse[:, 2].sum() > 0)
+    True
     """
 
     body: Body

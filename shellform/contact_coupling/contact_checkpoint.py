@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What a contact of explicit steps needs to go on, in the surface's own numbering.
 
-Segments touched and sunk into, and what is out of reach, by nodes and by cells that have samples;
-the window of the books.
+Segments touched, soft ones lain in, and what is out of reach, by nodes and by cells that have
+samples; the window of the books.
 """
+
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 
-def saved(contact):
+def saved(contact: Any) -> dict[str, Any]:
     """Arrays of a contact for a checkpoint, those of rank 0 complete; all ranks call.
 
-    By nodes (n, 2) and by cells (cells, samples a cell, 2) int: segment touched, set sunk into.
-    Looks (n, 6) and (cells, samples a cell, 6) float, see `Correction.looks`.
+    By nodes (n, 2) and by cells (cells, samples a cell, 2) int: segment touched, set of soft ones.
+    Looks (n, 6) and (cells, samples a cell, 6) float, see `VelocityCorrection.looks`.
     """
     shell, window = contact.stepper.shell, contact.window
     partition, comm = shell.partition, shell.comm
@@ -35,7 +38,7 @@ def saved(contact):
     return whole
 
 
-def resume(contact, path, state):
+def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None:
     """Set this rank's part of what `saved` gave, read from the file `path`."""
     shell, window = contact.stepper.shell, contact.window
     partition, nodes = shell.partition, shell.partition.owned_nodes
@@ -61,12 +64,12 @@ def resume(contact, path, state):
 
 
 def _of(correction):
-    """Segments touched and sunk into (n, 2)."""
-    return np.stack([correction.segment, correction.sunk], axis=1)
+    """Segments touched and soft ones lain in (n, 2)."""
+    return np.stack([correction.segment, correction.penetrated], axis=1)
 
 
 def _set(correction, both):
-    correction.segment[:], correction.sunk[:] = both.T
+    correction.segment[:], correction.penetrated[:] = both.T
 
 
 def _by_cell(contact):

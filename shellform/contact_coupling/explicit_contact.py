@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact of a shell in explicit steps: its turn between the kick and the drift, Eqs. 15 and 16.
 
-Gives the arrays of a stepper's owned nodes to `contact.Correction` and books what it did. Cloth is
+Gives the arrays of a stepper's owned nodes to `VelocityCorrection` and books what it did. Cloth is
 met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
@@ -15,14 +15,16 @@ goes to the support. Nodes held in all three are not met.
 """
 
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import dolfinx
 from dolfinx import fem
 
+from contact.body.segments import Body
 from contact.solver.cell_samples import (
-    book_loss,
     collect,
     midpoints,
     particle_masses,
@@ -30,7 +32,9 @@ from contact.solver.cell_samples import (
     spread,
     too_thin,
 )
-from contact.solver.velocity_correction import Correction
+from contact.solver.contact_ledger import book_loss
+from contact.solver.friction import Friction
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform.dynamics.part import RunningContact
 from shellform.fem.partition import DOLFINX_ORDER
 
@@ -48,8 +52,8 @@ class ExplicitContact(RunningContact):
     Attributes
     ----------
     body, last, window, ... : see RunningContact
-    correction : contact.Correction, with its counters and ledgers, those of samples included
-    inner : Correction of the samples, or None; cells : (k, 4), the nodes of their cells
+    correction : VelocityCorrection, with its counters and ledgers, those of samples included
+    inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     notes : list of str, ellipsoids that can pass between the points that are met
 
     Raises
@@ -58,8 +62,15 @@ class ExplicitContact(RunningContact):
     """
 
     def __init__(
-        self, stepper, body, friction, offset, samples, flesh_stiffness, recovery
-    ):  # fmt: skip
+        self,
+        stepper: Any,
+        body: Body,
+        friction: Any,
+        offset: float | None,
+        samples: int | str,
+        flesh_stiffness: float | None,
+        recovery: float,
+    ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
         self._held = np.ascontiguousarray(stepper.shell.supports.held[:n, :3])
@@ -69,55 +80,49 @@ class ExplicitContact(RunningContact):
         self._how = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
-        self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._how)
+        self.correction = VelocityCorrection(body, n, friction, offset, fixed=fixed, **self._how)
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None
-        if not (isinstance(samples, str) and samples == "nodes") and samples != 0:
-            self._inside(stepper, body, friction, offset, midpoints(samples))
-        k = 0 if isinstance(samples, str) else samples
+        k: Any = 0 if samples == "nodes" else samples
+        if k != 0:
+            self._inside(stepper, body, friction, offset, midpoints(k))
         size = stepper.shell.surface.mean_cell_size
-        self.notes = too_thin(body.names, body.radii, size, offset, k)
-
-    def attach(self, stepper):
-        """See Part; the stepper keeps the velocities of the step before from now on."""
-        super().attach(stepper)
-        stepper.keep_old_velocities()
-        return self
+        self.notes = too_thin(body, size, offset, k)
 
     @property
-    def active(self):
+    def active(self) -> int:
         return self.correction.active
 
     @property
-    def sticking(self):
+    def sticking(self) -> int:
         return self.correction.sticking
 
     @property
-    def pinched(self):
+    def pinched(self) -> int:
         return self.correction.pinched
 
     @property
-    def max_depth(self):
+    def max_depth(self) -> float:
         return self.correction.max_depth
 
     @property
-    def pinch_depth(self):
+    def pinch_depth(self) -> float:
         return self.correction.pinch_depth
 
     @property
-    def start_pose(self):
+    def start_pose(self) -> Any:
         """Pose of the body at the start of the last step."""
         return self.correction.start_pose
 
     @property
-    def friction(self):
-        """(mu_s, mu_k); may be changed between steps."""
+    def friction(self) -> Friction:
+        """Its law; may be changed between steps."""
         return self.correction.friction
 
     @friction.setter
-    def friction(self, value):
+    def friction(self, value: Any) -> None:
         self.correction.friction = value
 
     def _inside(self, stepper, body, friction, offset, weights):
@@ -145,9 +150,9 @@ class ExplicitContact(RunningContact):
         self._mass[still] = 1.0
         self._points, self._after = np.empty((k, 9)), np.empty((k, 9))
         self._free = np.empty_like(stepper.v)
-        self.inner = Correction(body, k, friction, offset, fixed=still, **self._how)
+        self.inner = VelocityCorrection(body, k, friction, offset, fixed=still, **self._how)
 
-    def __call__(self, stepper, dt):
+    def __call__(self, stepper: Any, dt: float) -> None:
         start = time.perf_counter()
         v, last = stepper.v, self.correction.last
         np.add(stepper.points, stepper.owned[:, :3], out=self._x)
@@ -209,35 +214,33 @@ class ExplicitContact(RunningContact):
         for ledger in (outer.last, outer.window):
             ledger.table += inner.last.table
             ledger.impulse += impulse
-        outer._counts += inner._counts
-        outer.max_depth = max(outer.max_depth, inner.max_depth)
-        outer.pinch_depth = max(outer.pinch_depth, inner.pinch_depth)
+        outer.add_counts(inner)
 
-    def touched(self):
+    def touched(self) -> Any:
         """What the next step needs to know of this one (copies)."""
         inner = None if self.inner is None else self.inner.state()
         return {"nodes": self.correction.state(), "inner": inner}
 
-    def set_touched(self, touched):
+    def set_touched(self, touched: Any) -> None:
         """Continue from `touched()`."""
         self.correction.restore(touched["nodes"])
         if self.inner is not None:
             self.inner.restore(touched["inner"])
 
-    def state(self):
+    def state(self) -> Any:
         """What is touched and what the window holds, for `restore` (copies)."""
         window = self.window
         return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Continue from `state()`."""
         touched, self.window.impulse[:], self.window.table[:], self.window.seconds = state
         self.set_touched(touched)
 
-    def saved(self):
+    def saved(self) -> dict[str, Any]:
         """See Part."""
         return contact_checkpoint.saved(self)
 
-    def resume(self, path, state):
+    def resume(self, path: str | Path, state: dict[str, np.ndarray]) -> None:
         """See RunningContact; ValueError for samples other than those of the file."""
         contact_checkpoint.resume(self, path, state)

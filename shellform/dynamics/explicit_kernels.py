@@ -14,6 +14,8 @@ import numpy as np
 
 from contact.kernel import kernel
 
+from .books import Books
+
 NEAR = 0.01  # of an angle squared: the first term left out of the series is below 1e-20
 
 
@@ -44,7 +46,16 @@ class Forces(NamedTuple):
 
 
 @kernel
-def kick(v, q, forces, d, nodes, drag, dt, work):
+def kick(
+    v: np.ndarray,
+    q: np.ndarray,
+    forces: Forces,
+    d: np.ndarray,
+    nodes: Nodes,
+    drag: float,
+    dt: float,
+    work: np.ndarray,
+) -> None:
     """Add the impulse of internal and external forces over dt to the velocities.
 
     Held components keep their velocity; the impulse that takes is the supports'. Work on directors
@@ -90,7 +101,16 @@ def kick(v, q, forces, d, nodes, drag, dt, work):
 
 
 @kernel
-def book(v_old, free, v, forces, nodes, drag, dt, books):
+def book(
+    v_old: np.ndarray,
+    free: np.ndarray,
+    v: np.ndarray,
+    forces: Forces,
+    nodes: Nodes,
+    drag: float,
+    dt: float,
+    books: Books,
+) -> None:
     """Book a kick whose velocities went from v_old to v, contact included.
 
     Work is impulse . (v_old + v)/2 for every impulse: that of all of them is the change of kinetic
@@ -130,7 +150,7 @@ def book(v_old, free, v, forces, nodes, drag, dt, books):
 
 
 @kernel
-def work_over(force, v_old, v, dt):
+def work_over(force: np.ndarray, v_old: np.ndarray, v: np.ndarray, dt: float) -> float:
     """Work [J] of forces (n, 3) over dt while velocities go from v_old to v (n, 3)."""
     work = 0.0
     for i in range(force.shape[0]):
@@ -140,7 +160,7 @@ def work_over(force, v_old, v, dt):
 
 
 @kernel
-def near_cosine(square):
+def near_cosine(square: float) -> float:
     """Cosine of an angle whose square is below NEAR: the series, to roundoff."""
     return 1.0 - square / 2.0 * (
         1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0)))
@@ -148,7 +168,7 @@ def near_cosine(square):
 
 
 @kernel
-def near_sine(square):
+def near_sine(square: float) -> float:
     """Sine of an angle over the angle, whose square is below NEAR: the series, to roundoff."""
     return 1.0 - square / 6.0 * (
         1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0 * (1.0 - square / 110.0)))
@@ -156,7 +176,7 @@ def near_sine(square):
 
 
 @kernel
-def drift(w, v, q, dt):
+def drift(w: np.ndarray, v: np.ndarray, q: np.ndarray, dt: float) -> float:
     """Move nodes and directors by their velocities over dt.
 
     w : (n, 6), (u, d), changed; v : (n, 3); q : (n, 3), changed: carried along. Returns the sum of
@@ -191,7 +211,7 @@ def drift(w, v, q, dt):
 
 
 @kernel
-def ahead(w, v, q, time, out):
+def ahead(w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float, out: np.ndarray) -> None:
     """w + time (v, q): where the internal force is taken for stiffness-proportional damping."""
     for i in range(w.shape[0]):
         for k in range(3):
@@ -200,7 +220,15 @@ def ahead(w, v, q, time, out):
 
 
 @kernel
-def momenta(w, points, v, q, mass, inertia, out):
+def momenta(
+    w: np.ndarray,
+    points: np.ndarray,
+    v: np.ndarray,
+    q: np.ndarray,
+    mass: np.ndarray,
+    inertia: np.ndarray,
+    out: np.ndarray,
+) -> None:
     """Linear momentum, angular momentum about the origin and kinetic energy into out (7,)."""
     out[:] = 0.0
     for i in range(w.shape[0]):

@@ -5,15 +5,20 @@ A node of prescribed motion gets the velocity that brings it where it is due at 
 the impulse that takes, and the moment on its director, is the supports'.
 """
 
+from typing import Any
+
 from mpi4py import MPI
 
 import numpy as np
 
+from shellform.fem.supports import Supports
+
 from .books import INTERNAL, SUPPORT
+from .explicit_kernels import Forces
 from .prescribed_motion import way_to_goal
 
 
-def conditions(supports, n, comm):
+def conditions(supports: Supports, n: int, comm: Any) -> tuple[np.ndarray, np.ndarray]:
     """Held components (n, 4) bool (u_x, u_y, u_z, director) and normals (n, 3) for directors.
 
     A director does not turn towards its normal; zero where there is none.
@@ -31,7 +36,7 @@ def conditions(supports, n, comm):
     return fixed, np.where(held[:, 4:] & ~held[:, 3:4], plane, 0.0)
 
 
-def follow(stepper, dt, kicked, forces):
+def follow(stepper: Any, dt: float, kicked: float, forces: Forces) -> None:
     """Give nodes of prescribed motion the velocities that bring them where they are due in dt [s].
 
     `kicked` [s] is the time over which the last kick added its `forces`. Impulses and works are the

@@ -19,6 +19,7 @@ import numpy as np
 
 from shellform.fem.director import along, carry
 from shellform.fem.lumped_mass import ROTARY_SCALE
+from shellform.fem.shell import Shell
 
 from .books import BY_LOADS, EXTERNAL
 from .implicit import ImplicitNewmark
@@ -31,7 +32,7 @@ class ImplicitMidpoint(ImplicitNewmark):
     Parameters
     ----------
     shell, dt, tolerance, prefix, drag : see ImplicitNewmark
-    rotary_scale : float, see inertia.py; that of explicit steps by default, see above
+    rotary_scale : float, see fem/lumped_mass.py; that of explicit steps by default, see above
 
     Attributes and errors as there; `a` is that of the middle of the last step.
     """
@@ -40,13 +41,13 @@ class ImplicitMidpoint(ImplicitNewmark):
 
     def __init__(
         self,
-        shell,
-        dt,
-        tolerance=None,
-        rotary_scale=ROTARY_SCALE,
-        prefix="shell_",
-        drag=0.0,
-    ):
+        shell: Shell,
+        dt: float,
+        tolerance: float | None = None,
+        rotary_scale: float = ROTARY_SCALE,
+        prefix: str = "shell_",
+        drag: float = 0.0,
+    ) -> None:
         super().__init__(shell, dt, 0.25, 0.5, tolerance, rotary_scale, prefix, drag=drag)
 
     def _predict(self, old, dt):

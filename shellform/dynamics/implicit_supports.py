@@ -4,13 +4,15 @@
 Drag acts before the forces of a step: a node at rest feels none, so it leaves weights alone.
 """
 
+from typing import Any
+
 import numpy as np
 
 from .books import BY_DRAG, BY_SUPPORTS, DRAG, SUPPORT
 from .prescribed_motion import rate_at
 
 
-def slowed(stepper, dt):
+def slowed(stepper: Any, dt: float) -> np.ndarray:
     """Velocities (n_owned, 6) after the drag of a step; what is held keeps its velocity."""
     velocity = np.hstack([stepper.v, stepper.q])
     if not stepper.drag:
@@ -18,7 +20,7 @@ def slowed(stepper, dt):
     return velocity - (1 - np.exp(-stepper.drag * dt)) * stepper.equilibrium.free_part(velocity)
 
 
-def book_drag(stepper, after):
+def book_drag(stepper: Any, after: np.ndarray) -> None:
     """Book the impulse and the loss that leave velocities `after` (n_owned, 6) of the present."""
     before = np.hstack([stepper.v, stepper.q])
     inertia = np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1)
@@ -27,7 +29,7 @@ def book_drag(stepper, after):
     stepper.books.impulses[BY_DRAG] += push[:, :3].sum(axis=0)
 
 
-def constrain(stepper, free, time, dt):
+def constrain(stepper: Any, free: np.ndarray, time: float, dt: float) -> None:
     """Set `v`, `q` to what supports leave of free velocities (n_owned, 6); book their impulses.
 
     time : float, end of the step of length dt [s]

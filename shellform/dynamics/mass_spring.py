@@ -18,6 +18,7 @@ from contact.kernel import kernel
 from shellform.fem.shell import Shell
 
 from .explicit import Newmark, check_settings
+from .explicit_kernels import Forces
 from .springs import Springs
 
 
@@ -39,7 +40,16 @@ class Limit(NamedTuple):
 
 
 @kernel
-def limit(x, w, v, dt, springs, mass, forces, kicked):
+def limit(
+    x: np.ndarray,
+    w: np.ndarray,
+    v: np.ndarray,
+    dt: float,
+    springs: Limit,
+    mass: np.ndarray,
+    forces: Forces,
+    kicked: float,
+) -> None:
     """Change velocities v so that springs end the step below their bound.
 
     What held ends pass on is added to the supports' impulse; what nodes get is taken off the
@@ -101,13 +111,14 @@ class Particles(Newmark):
 
     Examples
     --------
-    >>> import meshes
-    >>> shell = Shell(meshes.rectangle(1.0, 1.0, (4, 4)), Fabric.isotropic(1e5, 0.3, 1e-3, 200.0))
-    >>> shell.loads.gravity((0.0, 0.0, -9.81))
-    >>> stepper = Particles(shell)
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Particles(shell)
     >>> stepper.advance(0.1)
-    >>> print(f"{shell.displacements()[:, 2].mean():.4f} m")
-    -0.0491 m
+    >>> f"{shell.displacements()[:, 2].mean():.3f} m"
+    '-0.049 m'
     """
 
     def __init__(

@@ -112,11 +112,11 @@ class RunningContact(Part):
     body : contact.body.segments.Body
     last, window : contact.solver.contact_ledger.Ledger, of the last step and of all since `reset`
     segment : (n_owned,) int, segment that each node touches, -1 without contact
-    active, sticking, pinched : int, nodes in contact in the last step, of these in stick, of these
+    active, sticking, pinched : int, nodes in contact in the last step, of these in stick, and
         pressed by two parts of the body
     max_depth, pinch_depth : float [m], deepest start of the last step, of nodes not pinched and
         pinched
-    friction : (mu_s, mu_k)
+    friction : contact.solver.friction.Friction, the law
     seconds : float, time the contact has cost
     """
 
@@ -124,13 +124,31 @@ class RunningContact(Part):
     last: Any
     window: Any
     segment: Any
-    active: int
-    sticking: int
-    pinched: int
-    max_depth: float
-    pinch_depth: float
-    friction: Any
     seconds: float
+
+    @property
+    def active(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def sticking(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def pinched(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def max_depth(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def pinch_depth(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def friction(self) -> Any:
+        raise NotImplementedError
 
     def attach(self, stepper: Any) -> Self:
         """Start to meet the sheet of a stepper; returns self."""

@@ -15,7 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact.kernel import kernel
+from meshes import Surface
 from meshes.topology import directed_edges, unique_edges
+from shellform.material.fabric import Fabric
 
 from .explicit_kernels import work_over
 
@@ -23,7 +25,7 @@ EDGE, DIAGONAL, BEND = 0, 1, 2
 
 
 @kernel
-def buckling_force(length, rest, k_b):
+def buckling_force(length: float, rest: float, k_b: float) -> tuple[float, float]:
     """Force [N] of a buckled pinned column of chord `length` < rest, and its energy [J]."""
     ratio = length / rest
     low, high = 0.0, np.pi
@@ -49,7 +51,7 @@ def buckling_force(length, rest, k_b):
 
 
 @kernel
-def pull(length, rest, k, k_b, turn, linear):
+def pull(length: float, rest: float, k: float, k_b: float, turn: float, linear: bool) -> float:
     """Force [N], positive in tension, of one spring; `turn` is the length where it buckles."""
     if k_b == 0.0 or linear:
         return k * (length - rest)
@@ -77,7 +79,16 @@ class Table(NamedTuple):
 
 
 @kernel
-def forces(points, w, v, damping, table, linear, r, viscous):
+def forces(
+    points: np.ndarray,
+    w: np.ndarray,
+    v: np.ndarray,
+    damping: float,
+    table: Table,
+    linear: bool,
+    r: np.ndarray,
+    viscous: np.ndarray,
+) -> None:
     """Internal forces into r (n, 6) [N], stiffness-proportional damping along the springs.
 
     The part of damping alone goes into viscous (n, 3) [N] too. `linear`: springs that buckle have
@@ -117,7 +128,7 @@ def forces(points, w, v, damping, table, linear, r, viscous):
 
 
 @kernel
-def energies(points, w, table, out):
+def energies(points: np.ndarray, w: np.ndarray, table: Table, out: np.ndarray) -> None:
     """Strain energies [J] by kind into out (3,)."""
     pairs, rest, k, k_b, turn = table.pairs, table.rest, table.k, table.k_b, table.turn
     kind = table.kind
@@ -158,8 +169,15 @@ class Springs:
     turns_directors = False
 
     def __init__(
-        self, surface, cells, points, fabric, bending="flexion", curvature=None, damping=0.0
-    ):
+        self,
+        surface: Surface,
+        cells: np.ndarray,
+        points: np.ndarray,
+        fabric: Fabric,
+        bending: str = "flexion",
+        curvature: float | None = None,
+        damping: float = 0.0,
+    ) -> None:
         if bending not in ("flexion", "buckling", "none"):
             raise ValueError(f"bending is one of flexion, buckling, none, not '{bending}'")
         if cells.shape[1] != 4:
@@ -262,10 +280,10 @@ def _along_cells(surface, corners, fabric):
 
 def _lines(edges, number, count, nodes):
     """Ends (f, 2) two apart along grid lines, and the two edges (f, 2) between."""
-    beside = [set() for _ in edges]
+    cells_at = [set() for _ in edges]
     for cell, own in enumerate(number.tolist()):
         for e in own:
-            beside[e].add(cell)
+            cells_at[e].add(cell)
     at = [[] for _ in range(nodes)]
     for e, (a, b) in enumerate(edges.tolist()):
         at[a].append((e, b))
@@ -277,7 +295,7 @@ def _lines(edges, number, count, nodes):
             continue  # a corner, or an irregular node: no line passes
         for p, (e, a) in enumerate(meeting):
             for f, b in meeting[p + 1 :]:
-                if not beside[e] & beside[f]:
+                if not cells_at[e] & cells_at[f]:
                     ends.append((a, b))
                     lines.append((e, f))
     return np.array(ends, np.int64).reshape(-1, 2), np.array(lines, np.int64).reshape(-1, 2)

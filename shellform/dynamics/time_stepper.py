@@ -12,8 +12,11 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from dolfinx import fem
+
 from shellform.errors import Unstable
 from shellform.fem.lumped_mass import lumped
+from shellform.fem.shell import Shell
 
 from . import explicit_kernels
 from .books import BY_DRAG, BY_LOADS, BY_SUPPORTS, Clock, new_books
@@ -26,7 +29,7 @@ class Stepper:
     Parameters
     ----------
     shell : Shell, with supports and loads complete; starts from its present state, at rest
-    rotary_scale : float, see inertia.py
+    rotary_scale : float, see fem/lumped_mass.py
     prefix : str, of the TS options
 
     Attributes
@@ -34,7 +37,6 @@ class Stepper:
     w : (n_local, 6), (u, d) with ghosts; v, q : (n_owned, 3), velocities of nodes [m/s] and of
         directors [1/s]
     mass, inertia : (n_owned,) [kg, kg m^2]; points : (n_owned, 3), reference positions [m]
-    v_old : (n_owned, 3) or None, node velocities before the last kick
     clock : Clock, of which `time`, `dt` and `steps` are; books : Books
     parts : list of Part, in the order of their turns in a step, see `add`
     contact : RunningContact or None, the one among them
@@ -42,13 +44,13 @@ class Stepper:
 
     implicit = False
 
-    def __init__(self, shell, rotary_scale, prefix):
+    def __init__(self, shell: Shell, rotary_scale: float, prefix: str) -> None:
         self.shell = shell
         self.parts: list[Part] = []
         self.contact: RunningContact | None = None
         partition, n = shell.partition, shell.partition.n_owned
         self.n_owned = n
-        shell.supports.frozen = True
+        shell.supports.freeze()
         shell.take_directors()
         self.w = shell.w.x.array.reshape(-1, 6)
         self.owned = self.w[:n]
@@ -56,7 +58,6 @@ class Stepper:
         mass, inertia = lumped(shell.surface, shell.fabric, rotary_scale)
         self.mass, self.inertia = mass[partition.owned_nodes], inertia[partition.owned_nodes]
         self.v, self.q = np.zeros((n, 3)), np.zeros((n, 3))
-        self.v_old = None
         self.clock, self.books = Clock(), new_books()
         self.ts = PETSc.TS().create(shell.comm)
         self.ts.setOptionsPrefix(prefix)
@@ -123,8 +124,9 @@ class Stepper:
         if self.contact is None:
             return {}
         plan: dict[str, Any] = {"contact": list(self.contact.body.names)}
-        if self.contact.friction[0] > 0:
-            plan["friction"] = list(self.contact.friction)
+        friction = self.contact.friction
+        if friction.static > 0:
+            plan["friction"] = [friction.static, friction.kinetic]
         return plan
 
     def add(self, part: Attachable | Callable[[Any, float], object]) -> Any:
@@ -165,12 +167,7 @@ class Stepper:
             "steps only, take Newmark"
         )
 
-    def keep_old_velocities(self):
-        """Keep the velocities of the step before in `v_old`, for parts that book work."""
-        if self.v_old is None:
-            self.v_old = self.v.copy()
-
-    def advance(self, until):
+    def advance(self, until: float) -> None:
         """Step until a time [s] is reached exactly; the steps left share out the rest evenly."""
         check_time(until)
         if until <= self.time:
@@ -184,12 +181,20 @@ class Stepper:
         self.time = until
         self.shell.w.vector.copy(self._ts_vector)
 
-    def next_dt(self):
+    def next_dt(self) -> float:
         """Step [s] that brings `until` nearer without leaving a crumb."""
         rest = self._until - self.time
         return rest / max(1, int(np.ceil(rest / self.dt * (1 - 1e-9))))
 
-    def momenta(self):
+    def velocities(self) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities (n_owned, 3) of nodes [m/s] and directors [1/s] at the present time."""
+        raise NotImplementedError
+
+    def step(self, dt: float) -> None:
+        """One step of length dt [s]."""
+        raise NotImplementedError
+
+    def momenta(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Momentum (3,), angular momentum about the origin (3,), kinetic energy, on every rank."""
         v, q = self.velocities()
         out = np.empty(7)
@@ -197,11 +202,11 @@ class Stepper:
         out = self.shell.comm.allreduce(out)
         return out[:3], out[3:6], out[6]
 
-    def strain_energy(self):
+    def strain_energy(self) -> dict[str, float]:
         """Strain energy [J] by kind of term, on every rank."""
         return self.shell.energy()
 
-    def balance(self):
+    def balance(self) -> dict[str, float]:
         """Energies and works so far [J] at the present time, on every rank.
 
         Keys: kinetic, strain; work done by external forces and supports; what drag and damping
@@ -211,7 +216,7 @@ class Stepper:
         work = {kind: self.shell.comm.allreduce(value) for kind, value in self.work.items()}
         return work | {"kinetic": kinetic, "strain": strain}
 
-    def check_finite(self, total, dt, fault=None):
+    def check_finite(self, total: float, dt: float, fault: str | None = None) -> None:
         """Raise Unstable on all ranks if the sum of any rank's coordinates is not finite.
 
         `fault` is a sentence of what else a rank found, or None. All ranks call.
@@ -230,13 +235,13 @@ class Stepper:
             if fault:
                 raise Unstable(fault)
 
-    def scatter(self, field=None):
+    def scatter(self, field: fem.Function | None = None) -> None:
         """Bring ghosts of w, or of another Function, up to date."""
         if self.shell.comm.size > 1:
             (field or self.shell.w).x.scatter_forward()
 
 
-def check_time(until):
+def check_time(until: float) -> None:
     """ValueError for a time that no number of steps reaches."""
     if not np.isfinite(until):
         raise ValueError(f"steps lead to a finite time in s, not to {until}")

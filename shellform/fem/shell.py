@@ -13,6 +13,7 @@ Methods Engrg. 109, 2017). With w_ = w and dw_ = 0 the same form is the exact ta
 """
 
 import warnings
+import weakref
 from functools import cached_property
 
 from mpi4py import MPI
@@ -102,6 +103,7 @@ class Shell:
         self.loads = Loads(partition, fabric.areal_mass)
         self.rest()
         self._compiled = {}
+        self._owner: weakref.ref | None = None
 
     def rest(self):
         """Put the sheet back into its reference state."""
@@ -117,6 +119,14 @@ class Shell:
     def step(self):
         """Change of w since `before`, or rates of w; made when first needed."""
         return fem.Function(self.space)
+
+    def claim(self, owner: object) -> None:
+        """Let the last solver that calls it have the configuration; others ask `is_claimed_by`."""
+        self._owner = weakref.ref(owner)
+
+    def is_claimed_by(self, owner: object) -> bool:
+        """True for the last one that has called `claim`."""
+        return self._owner is not None and self._owner() is owner
 
     def take_directors(self):
         """Take over the reference directors that supports have put into their planes."""

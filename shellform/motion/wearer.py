@@ -18,7 +18,8 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from contact.body.segment_frame import pose_from_markers
-from contact.body.segments import Body, Pose, semi_axes
+from contact.body.segments import Body, Pose
+from contact.geometry.ellipsoid import ellipsoid
 from contact.kernel import kernel
 
 from .recording import JOINTS, Recording
@@ -90,7 +91,8 @@ class Wearer(Body):
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
         self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
-        self.radii = np.array([semi_axes(name, radii) for name, *_, radii in ellipsoids])
+        shapes = [ellipsoid(name, radii) for name, *_, radii in ellipsoids]
+        self.shapes, self.radii = tuple(shapes), np.array([shape.radii for shape in shapes])
         segments = tuple(recording.points)
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:

@@ -13,6 +13,7 @@ is reported is the mean over a window between two records, without any other fil
 """
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -32,7 +33,15 @@ COLUMNS = ("time", "joint", "torque_x", "torque_y", "torque_z", "torque_flexion"
 
 
 @kernel
-def add_torque(table, centres, counts, joints, axes, spins, total):
+def add_torque(
+    table: np.ndarray,
+    centres: np.ndarray,
+    counts: np.ndarray,
+    joints: np.ndarray,
+    axes: np.ndarray,
+    spins: np.ndarray,
+    total: np.ndarray,
+) -> None:
     """Add a step's torque impulses on the wearer about all joints.
 
     Parameters
@@ -79,6 +88,20 @@ class Torque(Part):
     ------
     ValueError, when it is added, for a stepper whose contact is none with a Wearer, for an unknown
     joint, ellipsoid or kind of parts
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> from shellform.motion.anthropometry import ellipsoids
+    >>> walk = sf.synthetic_walk(strides=1, obstacle=0.0)
+    >>> wearer = sf.Wearer(walk, ellipsoids(walk.lengths()))
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> stepper = sf.Newmark(sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric))
+    >>> contact = stepper.add(sf.Contact(wearer))
+    >>> torque = stepper.add(sf.Torque("torque.csv"))
+    >>> stepper.advance(0.01)
+    >>> [row["joint"] for row in torque.record(stepper.time)][:3]
+    ['right_hip', 'right_knee', 'right_ankle']
     """
 
     books_contact = True
@@ -124,7 +147,7 @@ class Torque(Part):
         add_torque(table, centres, self.counts, *now, self.total)
         self.seconds += dt
 
-    def record(self, time):
+    def record(self, time: float) -> list[dict[str, Any]]:
         """Rows of the window that ends at `time` [s], one a joint; begins a new window."""
         total = self._comm.allreduce(self.total) / max(self.seconds, 1e-300)
         rows = [
@@ -138,34 +161,41 @@ class Torque(Part):
                 file.write("".join(line(row) for row in rows))
         return rows
 
-    def state(self):
+    def state(self) -> tuple[np.ndarray, float]:
         """Sums of the open window on this rank, for `restore` (copies)."""
         return self.total.copy(), self.seconds
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Continue from `state()`."""
         self.total[:], self.seconds = state
 
-    def saved(self):
+    def saved(self) -> dict[str, Any]:
         """Sums of the open window over all ranks, for `resumed`; all ranks call."""
         return {"torque": self._comm.allreduce(self.total), "torque_seconds": self.seconds}
 
 
-def rows_until(path, time):
+def rows_until(path: str | Path, time: float) -> list[dict[str, Any]]:
     """Rows of a torque.csv up to a time [s]."""
     with open(path) as file:
-        rows = list(csv.DictReader(file))
-    rows = [{k: v if k == "joint" else float(v) for k, v in row.items()} for row in rows]
+        read = list(csv.DictReader(file))
+    rows: list[dict[str, Any]] = [
+        {k: v if k == "joint" else float(v) for k, v in row.items()} for row in read
+    ]
     return [row for row in rows if row["time"] <= time + 1e-9]
 
 
-def line(row):
+def line(row: dict[str, Any]) -> str:
     """A row of torque.csv."""
     values = (row[key] for key in COLUMNS)
     return ",".join(v if isinstance(v, str) else f"{v:.10g}" for v in values) + "\n"
 
 
-def resistance(rows, joint, strides=(), start=None):
+def resistance(
+    rows: list[dict[str, Any]],
+    joint: str,
+    strides: Sequence[tuple[float, float]] = (),
+    start: float | None = None,
+) -> dict[str, Any]:
     """What the clothing costs a joint, integrated over time.
 
     Parameters

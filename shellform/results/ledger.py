@@ -42,6 +42,19 @@ class Ledger(Part):
     Attributes
     ----------
     rows : list of dict
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Newmark(shell)
+    >>> ledger = stepper.add(sf.Ledger("ledger.csv"))
+    >>> stepper.advance(0.1)
+    >>> row = ledger.record()
+    >>> f"{row['momentum_z']:.2f} N s", row["momentum_residual"] < 1e-12
+    ('-0.03 N s', True)
     """
 
     books_contact = True
@@ -108,11 +121,11 @@ class Ledger(Part):
             contact.reset()
         row |= {"body_work": moved, "friction_loss": friction, "impact_loss": impact}
         self._contact_work += moved - friction - impact
-        left = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
+        residual = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
         for k in range(3):
             row[f"momentum_{AXES[k]}"] = momentum[k]
             row[f"support_impulse_{AXES[k]}"] = impulses[1, k]
-        row["momentum_residual"] = float(np.linalg.norm(left))
+        row["momentum_residual"] = float(np.linalg.norm(residual))
         gain = change["kinetic"] + change["strain"] - self._contact_work
         given = change["external"] + change["support"] - change["drag"] - change["damping"]
         row["energy_residual"] = gain - given

@@ -3,12 +3,12 @@
 
 In each step the impulse J on a node in contact is split at its closest point, with the normal n of
 the node's segment, into J . n, which presses, and the rest, which rubs. Both are shared out among
-the four nearest patches (geometry/surface_patches.py): forces add up exactly, a peak is spread over
-about one patch. Patches smaller than a cell of the cloth show its nodes.
+the four nearest patches (contact/geometry/surface_patches.py): forces add up exactly, a peak is
+spread over about one patch. Patches smaller than a cell of the cloth show its nodes.
 
-A node in a crease between two ellipsoids presses on the one that `Correction.segment` names, with
-the part of J along that one's normal; what is left of the push by the other is counted as rubbing.
-A patch that another ellipsoid covers in part has its force divided by its whole area.
+A node in a crease between two ellipsoids presses on the one that `VelocityCorrection.segment`
+names, with the part of J along that one's normal; what is left of the push by the other is counted
+as rubbing. A patch that another ellipsoid covers in part has its force divided by its whole area.
 
 Impulses add up over a window between two records. Ranks are added together at a record only.
 """
@@ -31,9 +31,24 @@ NORMAL, RUBBED, COVERED, BOOKED = 0, 1, 2, 3
 
 @kernel
 def add_pressure(
-    points, w, segment, impulse, mass, dt, centres, axes, radii, heights, sectors, rows, columns,
-    first, which, weights, total,
-):  # fmt: skip
+    points: np.ndarray,
+    w: np.ndarray,
+    segment: np.ndarray,
+    impulse: np.ndarray,
+    mass: np.ndarray,
+    dt: float,
+    centres: np.ndarray,
+    axes: np.ndarray,
+    radii: np.ndarray,
+    heights: np.ndarray,
+    sectors: np.ndarray,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    first: np.ndarray,
+    which: np.ndarray,
+    weights: np.ndarray,
+    total: np.ndarray,
+) -> None:
     """Add a step's impulses on the wearer to the patches.
 
     Parameters
@@ -150,7 +165,7 @@ class Pressure(Part):
         )  # fmt: skip
         self.seconds += dt
 
-    def record(self, time):
+    def record(self, time: float) -> np.ndarray:
         """Close the window that ends at `time` [s], begin a new one; all ranks call.
 
         Returns
@@ -170,7 +185,7 @@ class Pressure(Part):
         self.total[:], self.seconds = 0.0, 0.0
         return mean
 
-    def result(self):
+    def result(self) -> Map:
         """Map of all closed windows."""
         patches, span = self.patches, max(self._whole, 1e-300)
         mean, rubbing, share = (self._sums / (patches.areas[:, None] * span)).T.copy()
@@ -180,15 +195,15 @@ class Pressure(Part):
             self._whole,
         )  # fmt: skip
 
-    def state(self):
+    def state(self) -> tuple[np.ndarray, float]:
         """The open window on this rank, for `restore` (copies)."""
         return self.total.copy(), self.seconds
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Continue from `state()`."""
         self.total[:], self.seconds = state
 
-    def saved(self):
+    def saved(self) -> dict[str, np.ndarray]:
         """Open and closed windows over all ranks, for `resumed`; all ranks call."""
         return {
             "pressure_open": self._comm.allreduce(self.total),
@@ -213,7 +228,7 @@ class Pressure(Part):
         self.seconds, self._whole = state["pressure_seconds"].tolist()
 
 
-def save(path, map):
+def save(path: str | Path, map: Map) -> None:
     """Write a Map as .npz, one array a field, atomically."""
     path = Path(path)
     part = path.with_name(path.name + ".part")
@@ -222,7 +237,7 @@ def save(path, map):
     os.replace(part, path)
 
 
-def load(path):
+def load(path: str | Path) -> Map:
     """Map from a file that `save` wrote."""
     with np.load(path) as file:
         fields = {name: file[name] for name in Map._fields}
@@ -230,7 +245,7 @@ def load(path):
     return Map(**fields | {name: float(fields[name]) for name in ("size", "seconds")})
 
 
-def summary(map):
+def summary(map: Map) -> dict[str, dict[str, Any]]:
     """Ellipsoid -> mean normal force [N], peak pressure [Pa], its place and time, contact area.
 
     The place is given from the centre of the ellipsoid in its segment's axes [m]; place and time

@@ -62,7 +62,7 @@ def along_cloth(surface: meshes.Surface, edge: str) -> np.ndarray:
 
 
 def reach_of(surface: meshes.Surface, wearer: Wearer) -> np.ndarray:
-    """Ellipsoids that every node can touch, (n,) int for `Correction(allowed=...)`.
+    """Ellipsoids that every node can touch, (n,) int for `VelocityCorrection(allowed=...)`.
 
     A trouser leg does not meet the other leg of the wearer: between them is the other trouser leg,
     and cloth does not meet cloth here.

@@ -12,7 +12,6 @@ the directors, so the residual does not jump when the base does. The matrix P of
 
 import functools
 import time
-import weakref
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -62,8 +61,8 @@ class Equilibrium:
         self.assembly_seconds = 0.0
         self.load_factor, self.inertia = None, None
         partition, supports = shell.partition, shell.supports
-        supports.frozen = True
-        shell.owner = weakref.ref(self)
+        supports.freeze()
+        shell.claim(self)
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
         self.length = partition.length
@@ -107,7 +106,7 @@ class Equilibrium:
 
     def stale(self):
         """True once another equilibrium of the same shell has been made."""
-        return self.shell.owner() is not self
+        return not self.shell.is_claimed_by(self)
 
     def largest_change(self, state):
         """Largest displacement [m] of a node since a `state()`."""

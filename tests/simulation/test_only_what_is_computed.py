@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from contact.body.segments import Body, Fixed, Segment
-from contact.solver import node_contact as point
-from contact.solver import velocity_correction as correction
-from contact.solver.velocity_correction import Correction
+from contact.solver import node_contact, velocity_correction
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Statics
 from shellform.dynamics import explicit_kernels
 from shellform.dynamics import time_stepper as stepper
@@ -87,12 +86,12 @@ def test_loads_of_zero_are_none(comm):
         loads.gravity((0.0, 0.0, 0.0), amplitude=3.0)
 
 
-def in_python(kernel):
-    """A kernel run by Python itself, so that what it calls can be counted."""
+def on_records(kernel):
+    """A function for numba run by Python, which wants records with attributes."""
 
     def run(*given):
         records = lambda a: isinstance(a, np.ndarray) and a.dtype.names  # noqa: E731
-        return kernel.py_func(*(a.view(np.recarray) if records(a) else a for a in given))
+        return kernel(*(a.view(np.recarray) if records(a) else a for a in given))
 
     return run
 
@@ -100,11 +99,25 @@ def in_python(kernel):
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_no_friction_kernel_without_friction(monkeypatch, friction):
     """Points that press on a slope call the kernel of friction if there is friction, else never."""
-    calls, rub = [], point._rub
-    monkeypatch.setattr(point, "_rub", lambda *a: calls.append(1) or rub(*a))
-    monkeypatch.setattr(correction, "_correct", in_python(correction._correct))
-    monkeypatch.setattr(correction, "meet_body", in_python(point.meet_body))
-    contact = Correction(ball(), 2, friction)
+    calls, build = [], node_contact.friction_kernel
+
+    def counted(law):
+        apply_friction = build(law)
+        return lambda *given: calls.append(1) or apply_friction(*given)
+
+    monkeypatch.setattr(node_contact, "friction_kernel", counted)
+    # the loop over nodes, and what each of them does, by Python itself
+    for module in (node_contact, velocity_correction):
+        monkeypatch.setattr(module, "kernel", lambda function: function)
+    node_kernel, correct = (
+        node_contact.node_kernel.__wrapped__,
+        velocity_correction.correction_kernel.__wrapped__,
+    )
+    monkeypatch.setattr(velocity_correction, "node_kernel", node_kernel)
+    monkeypatch.setattr(
+        velocity_correction, "correction_kernel", lambda law: on_records(correct(law))
+    )
+    contact = VelocityCorrection(ball(), 2, friction)
     x, v = np.array([[0.3, 0.0, 1.0], [0.0, 0.0, 1.5]]), np.zeros((2, 3))
     x[0] /= np.linalg.norm(x[0])
     v[:, 2] = -1.0
@@ -129,7 +142,7 @@ def test_bodies_out_of_reach_are_not_evaluated():
         x = random.normal(size=(200, 3))
         x *= (1.0 + 0.01 * random.random(200) ** 2)[:, None] / np.linalg.norm(x, axis=1)[:, None]
         v, count = random.normal(size=(200, 3)), 0
-        contact = Correction(ball(*more), 200, 0.3)
+        contact = VelocityCorrection(ball(*more), 200, 0.3)
         for step in range(10):
             contact(x, v, np.ones(200), 1e-3, 1e-3 * step)
             count += contact.evaluated
@@ -142,6 +155,6 @@ def test_bodies_out_of_reach_are_not_evaluated():
 
 def test_bodies_that_are_not_allowed_are_not_evaluated():
     x, v = np.array([[0.0, 0.0, 1.0]]), np.array([[0.0, 0.0, -1.0]])
-    contact = Correction(ball(), 1, 0.3, allowed=np.zeros(1, int))
+    contact = VelocityCorrection(ball(), 1, 0.3, allowed=np.zeros(1, int))
     contact(x, v, np.ones(1), 1e-3, 0.0)
     assert contact.evaluated == 0 and v[0, 2] == -1.0

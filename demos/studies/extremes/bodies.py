@@ -13,7 +13,7 @@ met; `degrades` names what is lost; `refused` gives the sentence a user reads.
 import numpy as np
 
 from contact.body.segments import Body, Fixed, Segment, Steady
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 from demos.studies.extremes import captures
 from demos.studies.extremes.body_cases import (
     CLOTH,
@@ -195,7 +195,7 @@ def numbers():
 
     def one(x=0.1001, v=-1.0, mass=None, dt=1e-3, **options):
         v, masses = np.array([[0.0, 0.0, v]]), np.array([1.0 if mass is None else mass])
-        correction = Correction(body, 1, **options)
+        correction = VelocityCorrection(body, 1, **options)
         correction(np.array([[0.0, 0.0, x]]), v, masses, dt, 0.0)
         if not (np.isfinite(v).all() and np.isfinite(correction.last.impulse).all()):
             return "degrades: not a number, untold", "-"

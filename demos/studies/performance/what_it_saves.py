@@ -22,7 +22,7 @@ import numpy as np
 
 import meshes
 from contact.body.segments import Body, Fixed, Segment
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell, Statics
 from shellform.console import parse, positive, run
 from shellform.contact_coupling.contact import Contact
@@ -135,7 +135,7 @@ def corrections(cells, settings, above=0.0):
     x[:, 2] += above
 
     def correct(body, friction):
-        correction, now = Correction(body, len(x), friction), np.empty_like(v)
+        correction, now = VelocityCorrection(body, len(x), friction), np.empty_like(v)
 
         def call():
             for _ in range(20):
