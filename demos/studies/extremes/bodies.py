@@ -14,7 +14,7 @@ import numpy as np
 
 from contact.body.segments import Body, Fixed, Segment, Steady
 from contact.solver.velocity_correction import VelocityCorrection
-from demos.studies.extremes import captures as extremes_of_captures
+from demos.studies.extremes import captures
 from demos.studies.extremes.body_cases import (
     CLOTH,
     closing,
@@ -87,7 +87,7 @@ def shapes():
 
         def caught(r=radius, k=samples):
             out = over_rod(r, k)
-            figure = out["told"][0] if out["told"] else "held"
+            figure = out["notes"][0] if out["notes"] else "held"
             return (
                 "converges" if out["caught"] else "degrades: passes between the nodes, told"
             ), figure
@@ -217,7 +217,7 @@ def numbers():
 def rows():
     """Rows (direction, value, verdict, figure) of this table and that of captures."""
     out = []
-    for part in (speeds, frictions, shapes, motions, starts, numbers, extremes_of_captures.rows):
+    for part in (speeds, frictions, shapes, motions, starts, numbers, captures.rows):
         out += part()
     return out
 

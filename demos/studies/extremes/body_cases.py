@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Points and patches of cloth that meet bodies under extreme conditions; see extremes_of_bodies.py.
+"""Points and patches of cloth that meet bodies under extreme conditions; see bodies.py.
 
 Points of mass meet a body by `VelocityCorrection`, a patch of cloth by `Contact` under explicit
 and implicit steps.
@@ -171,7 +171,7 @@ def over_rod(radius, samples, seconds=0.12):
     out = cloth_on(stepper, body, seconds, samples=samples)
     free = 0.01 - 0.5 * G * seconds**2
     out["caught"] = bool(out["points"][:, 2].max() > free + 1e-3)
-    out["told"] = too_thin(body, 0.04, 0.5 * CLOTH["thickness"], samples)
+    out["notes"] = too_thin(body, 0.04, 0.5 * CLOTH["thickness"], samples)
     return out
 
 

@@ -29,7 +29,6 @@ from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.internal_force import InternalForce
 from shellform.results.report import Report
-from shellform.simulation.plan import plan_of_run
 
 G = 9.81
 A = 1000.0 / (1 - 0.3**2) * np.array([[1, 0.3, 0], [0.3, 1, 0], [0, 0, 0.35]])
@@ -266,7 +265,7 @@ def main(given=None):
         raise ValueError("two things are timed side by side on one rank: leave mpirun out")
     report = Report(options.out, "what it saves", vars(options), MPI.COMM_WORLD)
     shell = sheet(options.cells)
-    report.describe(shell, **plan_of_run(shell))
+    report.describe(shell)
     rows = {}
     print(f"{'left out':28} {'of':22} {'with':>10} {'without':>10} {'ratio':>6}")
     for name, (measure, what) in THINGS.items():
