@@ -18,9 +18,6 @@ import time
 
 import numpy as np
 
-import dolfinx
-from dolfinx import fem
-
 from contact.solver.cell_samples import (
     book_loss,
     collect,
@@ -31,6 +28,7 @@ from contact.solver.cell_samples import (
     too_thin,
 )
 from contact.solver.velocity_correction import Correction
+from shellform.fem.dolfinx_compat import Function, add_ghosts, cell_nodes, vector_space
 from shellform.fem.partition import DOLFINX_ORDER
 
 
@@ -90,10 +88,9 @@ class Touch:
             )
         self._weights = weights
         share = shares(surface.cells[:, DOLFINX_ORDER[4]], weights, len(surface.points))
-        self._cells = partition.space.dofmap.list.array.reshape(-1, 4).astype(np.int64)
+        self._cells = cell_nodes(partition.space).astype(np.int64)
         # nodal fields that ranks exchange: x, v, v before the forces, and the bits of `allowed`
-        space = fem.VectorFunctionSpace(partition.mesh, ("Lagrange", 1), dim=10)
-        self._field = fem.Function(space)
+        self._field = Function(vector_space(partition.mesh, "Lagrange", 1, 10))
         self._nodal = self._field.x.array.reshape(-1, 10)
         self._nodal[: partition.n_owned, 0] = self._held.all(axis=1)
         self._nodal[: partition.n_owned, 1] = stepper.mass
@@ -155,7 +152,7 @@ class Touch:
         # impulses to the nodes, those of ghosts to their owners
         nodal[:] = 0.0
         spread(inner.last.impulse, cells, weights, nodal)
-        self._field.x.scatter_reverse(dolfinx.cpp.la.ScatterMode.add)
+        add_ghosts(self._field)
         impulse = nodal[:n, :3].copy()
         moved = np.where(outer.fixed[:, None], 0.0, impulse)
         stepper.v += moved / stepper.mass[:, None]

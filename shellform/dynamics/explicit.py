@@ -16,9 +16,8 @@ as still air does.
 
 import numpy as np
 
-from dolfinx import fem
-
 from shellform.errors import Unstable
+from shellform.fem.dolfinx_compat import Function
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.lumped_mass import ROTARY_SCALE
 
@@ -73,7 +72,7 @@ class Newmark(Stepper):
     ):
         check_settings(time_step_factor, damping, drag)
         super().__init__(shell, hooks, rotary_scale, prefix)
-        self._field = shell.w if not damping else fem.Function(shell.space)
+        self._field = shell.w if not damping else Function(shell.space)
         self._ahead = self._field.x.array.reshape(-1, 6)
         self._set_supports()
         internal = InternalForce(shell, damped=damping > 0)

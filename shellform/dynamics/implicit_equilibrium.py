@@ -15,10 +15,9 @@ from mpi4py import MPI
 
 import numpy as np
 
-from dolfinx import fem
-
 from shellform.fem import director
 from shellform.fem.director import carry, turn_to
+from shellform.fem.dolfinx_compat import Function
 from shellform.statics.equilibrium import Equilibrium
 from shellform.statics.tangent_map import TangentMap
 
@@ -47,7 +46,7 @@ class Inertial(Equilibrium):
         self._Q_owned = self.Q[: self.n_owned]
         self._fixed = supports.held[: self.n_owned, :3].any(axis=1)
         self._in_contact, self._contact_goal = None, None
-        self._axes = fem.Function(shell.space)
+        self._axes = Function(shell.space)
         self.P.matrix.destroy()
         self.P = _TurningMap(shell, self.length)
         self.set_base()

@@ -10,6 +10,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from shellform.errors import Unstable
+from shellform.fem.dolfinx_compat import petsc_view
 from shellform.fem.lumped_mass import lumped
 
 from . import explicit_kernels
@@ -55,7 +56,7 @@ class Stepper:
         self.ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         self.ts.setMaxSteps(2**31 - 1)
         # PETSc copies this vector around every step: it must not be the memory of w
-        self._ts_vector = shell.w.vector.duplicate()
+        self._ts_vector = petsc_view(shell.w).duplicate()
         self.ts.setSolution(self._ts_vector)
         self.ts.setFromOptions()
 
@@ -76,7 +77,7 @@ class Stepper:
         self.ts.setTimeStep(self.next_dt())
         self.ts.solve(self._ts_vector)
         self.time = until
-        self.shell.w.vector.copy(self._ts_vector)
+        petsc_view(self.shell.w).copy(self._ts_vector)
 
     def next_dt(self):
         """Step [s] that brings `until` nearer without leaving a crumb."""

@@ -22,6 +22,8 @@ import numpy as np
 
 import ufl
 
+from .dolfinx_compat import cell_name
+
 # s1, s2: from a corner to the midpoint of the edge along axis 1, 2, corners in tensor order
 QUAD_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
 # at a triangle's corners 1 and 2 one of the two edges is the diagonal: s is that of the edge
@@ -185,6 +187,6 @@ def shear_cap(mesh, shear_over_bending):
     jacobian = ufl.Jacobian(mesh)
     G1, G2 = (ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2))
     longest = ufl.max_value(ufl.dot(G1, G1), ufl.dot(G2, G2))
-    if mesh.ufl_cell().cellname() == "triangle":
+    if cell_name(mesh) == "triangle":
         longest = ufl.max_value(longest, ufl.dot(G1 - G2, G1 - G2))
     return 1 / (1 + longest * shear_over_bending / 40)

@@ -19,9 +19,8 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from dolfinx.la import create_petsc_vector
-
 from shellform.fem import director
+from shellform.fem.dolfinx_compat import petsc_vector
 
 from .tangent_map import TangentMap
 
@@ -67,10 +66,9 @@ class Equilibrium:
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
         self.length = partition.length
-        index_map = shell.space.dofmap.index_map
-        self.x = create_petsc_vector(index_map, 5)
+        self.x = petsc_vector(shell.space, 5)
         self.F, self._direct = self.x.duplicate(), self.x.duplicate()
-        self.r6 = create_petsc_vector(index_map, 6)
+        self.r6 = petsc_vector(shell.space, 6)
         self._lift6, self._product6 = self.r6.duplicate(), self.r6.duplicate()
         self.held = supports.held
         self.Q = supports.Q if supports.inclined.any() else None

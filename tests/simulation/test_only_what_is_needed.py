@@ -23,7 +23,6 @@ from shellform.dynamics import explicit_kernels
 from shellform.dynamics import time_stepper as stepper
 from shellform.dynamics.explicit import Newmark
 from shellform.fem import lumped_mass as inertia
-from shellform.fem.element import energy_terms
 from shellform.fem.internal_force import by_segments
 from shellform.results.report import Report
 from shellform.scene.garment import garment_of
@@ -189,7 +188,7 @@ def test_forms_of_statics(forms, comm):
 
 
 def energy(shell):
-    return energy_terms(shell.mesh, shell.surface, shell.fabric, **shell.options)
+    return shell.weak_form.terms
 
 
 def test_coupling_only_where_stretching_bends(comm):
@@ -200,9 +199,9 @@ def test_coupling_only_where_stretching_bends(comm):
         fabric = Fabric(A, D, S, CLOTH.areal_mass, CLOTH.thickness, coupling=B)
         shell = sheet(fabric=fabric, comm=comm)
         total = 0
-        for dx, terms in shell.by_rule():
+        for dx, terms in shell.weak_form.by_rule():
             for term in terms:
-                strain = shell.strain(term.strain, shell.w)
+                strain = shell.weak_form.strain(term, shell.w)
                 total += term.product(strain, strain) * dx
         rows[name] = shell.plan()["terms"], len(total.constants()), by_segments(shell)
     strains = ["membrane", "bending", "transverse shear"]
