@@ -22,8 +22,11 @@ import ufl
 from dolfinx import cpp, fem, jit, la
 from dolfinx.fem import Constant as Constant
 from dolfinx.fem import Function as Function
+from dolfinx.fem import FunctionSpace as FunctionSpace
 from dolfinx.fem import assemble_scalar as assemble_scalar
 from dolfinx.fem import petsc as fem_petsc
+from dolfinx.mesh import Mesh as Mesh
+from ufl.core.expr import Expr as Expr
 
 VERSION = dolfinx.__version__
 LOG = logging.getLogger("shellform")
@@ -43,7 +46,7 @@ create_matrix = fem_petsc.create_matrix
 # ---------------------------------------------------------------- compiled code
 
 
-def compiled(groups: Sequence[tuple], **options) -> list[tuple]:
+def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
     """Compile tuples of UFL forms; all signatures first: compiling one changes those of others."""
     for form in (form for group in groups for form in group):
         form.signature()
@@ -84,7 +87,9 @@ def _changed() -> int | None:
 # ---------------------------------------------------------------- meshes and fields
 
 
-def surface_mesh(comm: MPI.Comm, kind: str, degree: int, cells: np.ndarray, points: np.ndarray):
+def surface_mesh(
+    comm: MPI.Comm, kind: str, degree: int, cells: np.ndarray, points: np.ndarray
+) -> Mesh:
     """Mesh of a surface in 3-D shared out over the ranks.
 
     Parameters
@@ -104,7 +109,7 @@ def surface_mesh(comm: MPI.Comm, kind: str, degree: int, cells: np.ndarray, poin
         )
 
 
-def vector_space(mesh, family: str, degree: int, width: int):
+def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:
     """Space of fields with `width` components: 'Lagrange', or 'DG', one polynomial a cell."""
     if family == "DG" and cell_name(mesh) == "quadrilateral" and degree:
         family = "DQ"
@@ -113,29 +118,29 @@ def vector_space(mesh, family: str, degree: int, width: int):
         return fem.FunctionSpace(mesh, element)
 
 
-def cell_name(mesh) -> str:
+def cell_name(mesh: Mesh) -> str:
     """'triangle' or 'quadrilateral'."""
     return mesh.ufl_cell().cellname()
 
 
-def cell_nodes(space) -> np.ndarray:
+def cell_nodes(space: FunctionSpace) -> np.ndarray:
     """Local nodes (m, k) of the cells of this rank, in dolfinx's order."""
     dofmap = space.dofmap
     return dofmap.list.array.reshape(-1, dofmap.dof_layout.num_dofs)
 
 
-def geometry_nodes(mesh) -> np.ndarray:
+def geometry_nodes(mesh: Mesh) -> np.ndarray:
     """Local points (m, k) of the geometry of the cells of this rank."""
     m = mesh.topology.index_map(mesh.topology.dim)
     return mesh.geometry.dofmap.array.reshape(m.size_local + m.num_ghosts, -1)
 
 
-def given_points(mesh) -> np.ndarray:
+def given_points(mesh: Mesh) -> np.ndarray:
     """Number (p,) that each local point of the geometry had when the mesh was made."""
     return np.asarray(mesh.geometry.input_global_indices)
 
 
-def given_cells(mesh) -> np.ndarray:
+def given_cells(mesh: Mesh) -> np.ndarray:
     """Number (m,) that each cell of this rank had when the mesh was made."""
     return np.asarray(mesh.topology.original_cell_index)
 
@@ -143,16 +148,16 @@ def given_cells(mesh) -> np.ndarray:
 # ---------------------------------------------------------------- vectors
 
 
-def petsc_vector(space, width: int) -> PETSc.Vec:
+def petsc_vector(space: FunctionSpace, width: int) -> PETSc.Vec:
     """Vec with `width` numbers a node, ghosts included."""
     return la.create_petsc_vector(space.dofmap.index_map, width)
 
 
-def petsc_view(field) -> PETSc.Vec:
+def petsc_view(field: Function) -> PETSc.Vec:
     """Vec that shares the values of a field."""
     return field.vector
 
 
-def add_ghosts(field) -> None:
+def add_ghosts(field: Function) -> None:
     """Add what ghosts have to the values of their owners."""
     field.x.scatter_reverse(la.ScatterMode.add)

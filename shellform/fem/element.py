@@ -20,8 +20,9 @@ energy is shared out over several rules, or couples strains, it stays, and what 
 it is added at 2x2 Gauss points: modes that these do not see are held by the quadratic part.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -33,20 +34,26 @@ from shellform.material.energy import StVenant, is_quadratic, quadratic
 from shellform.material.sheet import Sheet
 
 from . import strains
-from .dolfinx_compat import Constant, Function, cell_nodes, given_cells, vector_space
+from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_nodes, given_cells, vector_space
 
-GAUSS2 = ((0.5 - 0.5 / np.sqrt(3), 0.5), (0.5 + 0.5 / np.sqrt(3), 0.5))
-GAUSS3 = ((0.5 - 0.5 * np.sqrt(0.6), 5 / 18), (0.5, 4 / 9), (0.5 + 0.5 * np.sqrt(0.6), 5 / 18))
-SIMPSON = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))
-ENDS = ((0.0, 0.5), (1.0, 0.5))
+Pairs = tuple[tuple[float, float], ...]  # points and weights on [0, 1]
+
+GAUSS2: Pairs = ((0.5 - 0.5 / np.sqrt(3), 0.5), (0.5 + 0.5 / np.sqrt(3), 0.5))
+GAUSS3: Pairs = (
+    (0.5 - 0.5 * np.sqrt(0.6), 5 / 18),
+    (0.5, 4 / 9),
+    (0.5 + 0.5 * np.sqrt(0.6), 5 / 18),
+)
+SIMPSON: Pairs = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))
+ENDS: Pairs = ((0.0, 0.5), (1.0, 0.5))
 
 
-def product_rule(first: Sequence, second: Sequence) -> list[tuple[float, float, float]]:
+def product_rule(first: Pairs, second: Pairs) -> list[tuple[float, float, float]]:
     """Rows (p, q, weight) of the tensor rule of two one-dimensional rules on [0, 1]."""
     return [(p, q, a * b) for p, a in first for q, b in second]
 
 
-RULES = {
+RULES: dict[str, list[tuple[float, float, float]]] = {
     "corners": product_rule(ENDS, ENDS),
     "gauss2": product_rule(GAUSS2, GAUSS2),
     "gauss23": product_rule(GAUSS2, GAUSS3),
@@ -58,7 +65,7 @@ RULES = {
 }
 
 
-def measure(mesh, rule: str) -> ufl.Measure:
+def measure(mesh: Mesh, rule: str) -> ufl.Measure:
     """UFL measure that integrates with one of the RULES."""
     metadata = {
         "quadrature_rule": "custom",
@@ -84,24 +91,24 @@ class Term:
 
     name: str
     strain: Callable
-    product: Callable | None
+    product: Any  # a Callable, or None where `density` is all there is
     rule: str
     density: Callable | None = None
 
-    def energy(self, strain):
+    def energy(self, strain: Expr) -> Expr:
         """psi, energy per area [J/m^2] at a strain."""
         if self.density is None:
             return 0.5 * self.product(strain, strain)
         return self.density(strain)
 
-    def stress_work(self, strain, virtual):
+    def stress_work(self, strain: Expr, virtual: Expr) -> Expr:
         """psi' . virtual: the work of the stress at `strain`."""
         if self.density is None:
             return self.product(strain, virtual)
         strain = ufl.variable(strain)
         return ufl.dot(expand_derivatives(ufl.diff(self.density(strain), strain)), virtual)
 
-    def stiffness_work(self, strain, change, virtual):
+    def stiffness_work(self, strain: Expr, change: Expr, virtual: Expr) -> Expr:
         """change . psi'' . virtual: that of the stress that a change of strain adds."""
         if self.density is None:
             return self.product(change, virtual)
@@ -112,7 +119,7 @@ class Term:
 
 
 def energy_terms(
-    mesh,
+    mesh: Mesh,
     surface: Surface,
     fabric: Sheet,
     law: StVenant,
@@ -153,8 +160,8 @@ def energy_terms(
     )
     if b is not None or thick:
         # products of membrane and bending strain: a positive energy needs common points
-        measures = [strains.membrane_chords, kappa, strains.director_strain]
-        blocks = [[A, b, D], [b, D, E], [D, E, F]]
+        measures: list[Callable] = [strains.membrane_chords, kappa, strains.director_strain]
+        blocks: list[list] = [[A, b, D], [b, D, E], [D, E, F]]
         if not thick:
             measures, blocks = measures[:2], [row[:2] for row in blocks[:2]]
         name = "membrane and bending"
@@ -184,11 +191,11 @@ class Densities:
     """
 
     law: StVenant
-    V: object
-    M: object
+    V: Expr
+    M: Expr
     stiffness: dict[str, Constant]
 
-    def whole(self, strain: str, scale=1) -> Callable | None:
+    def whole(self, strain: str, scale: Expr | float = 1) -> Callable | None:
         """Density of a strain times a scale; None where the law is quadratic in it."""
         if is_quadratic(self.law, strain):
             return None
@@ -196,7 +203,9 @@ class Densities:
         axes = self.M if strain == "shear" else self.V
         return lambda e: scale * density(axes * e, stiffness)
 
-    def beyond(self, strain: str, name: str, measure: Callable, rule: str, scale=1) -> list[Term]:
+    def beyond(
+        self, strain: str, name: str, measure: Callable, rule: str, scale: Expr | float = 1
+    ) -> list[Term]:
         """Term of what the law stores in a strain beyond the quadratic energy; none if nothing."""
         whole = self.whole(strain, scale)
         if whole is None:
@@ -249,7 +258,7 @@ def stacked(measures: list[Callable]) -> Callable:
     return strain
 
 
-def stacked_product(V, blocks: list[list]) -> Callable:
+def stacked_product(V: Expr, blocks: list[list]) -> Callable:
     """Product sum_ij p_i . C_ij q_j in lamina axes; None for an absent block."""
 
     def part(strain, i):
@@ -266,7 +275,7 @@ def stacked_product(V, blocks: list[list]) -> Callable:
     return product
 
 
-def warp_field(mesh, warp: np.ndarray):
+def warp_field(mesh: Mesh, warp: np.ndarray | None) -> Expr:
     """UFL vector of the warp direction: one for all (3,), or one a cell (m, 3)."""
     warp = np.asarray(warp, float)
     if warp.ndim == 1:
@@ -277,7 +286,7 @@ def warp_field(mesh, warp: np.ndarray):
     return field
 
 
-def corner_offsets(mesh, table: np.ndarray) -> Function:
+def corner_offsets(mesh: Mesh, table: np.ndarray) -> Function:
     """Field with the same corner values in every cell: UFL knows no reference coordinates."""
     field = Function(vector_space(mesh, "DG", 1, 2))
     field.x.array.reshape(-1, 2)[cell_nodes(field.function_space)] = table

@@ -66,7 +66,9 @@ class InternalForce:
         self._result = Function(shell.space)
         self.r = self._result.x.array.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
-        self._quads, self._packed, self._rates, self._viscous = None, [], None, []
+        self._quads: tuple | None = None
+        self._packed: list[tuple] = []
+        self._viscous: list[int] = []
         if by_segments(shell):
             forms, self._quads = [], self._bake()
         else:
@@ -76,7 +78,7 @@ class InternalForce:
             self._pressure = Constant(shell.mesh, 0.0)
             forms.append(shell.weak_form.pressure(self._pressure)[0])
         self._forms = (
-            compiled([forms], cffi_extra_compile_args=compiler_flags())[0] if forms else ()
+            compiled([tuple(forms)], cffi_extra_compile_args=compiler_flags())[0] if forms else ()
         )
         if not forms:
             return
@@ -148,7 +150,7 @@ class InternalForce:
         flat[:] = 0.0
         w = w.reshape(-1, 6)
         damped = self.damped and ahead is not None
-        ahead = ahead.reshape(-1, 6) if damped else w
+        ahead = w if ahead is None or not damped else ahead.reshape(-1, 6)
         if self._quads is not None:
             self.loss = add_force(w, ahead, damped, *self._quads, self.r)
         if self._forms:

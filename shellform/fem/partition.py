@@ -7,6 +7,7 @@ is resolved in the surface's own numbering, the same on every rank, then cut to 
 """
 
 from collections.abc import Callable
+from typing import Any
 
 from mpi4py import MPI
 
@@ -21,7 +22,7 @@ from .dolfinx_compat import cell_nodes, geometry_nodes, given_points, surface_me
 DOLFINX_ORDER = {3: [0, 1, 2], 4: [0, 1, 3, 2], 9: [0, 1, 3, 2, 4, 7, 5, 6, 8]}
 
 # a name, a function of points, a point, or node numbers: see `Partition.find`
-Place = str | Callable[[np.ndarray], np.ndarray] | ArrayLike
+Place = str | Callable[[np.ndarray], ArrayLike] | ArrayLike
 
 
 class Partition:
@@ -59,9 +60,9 @@ class Partition:
         self.owned_nodes = self.nodes[: self.n_owned]
         self._local = np.full(len(surface.points), -1, np.int64)
         self._local[self.nodes] = np.arange(self.n_local)
-        self.directors = surface.directors[self.nodes]
+        self.directors = np.asarray(surface.directors)[self.nodes]
 
-    def find(self, where: Place) -> np.ndarray:
+    def find(self, where: Any) -> np.ndarray:
         """Surface node numbers, sorted, of a place in the garment.
 
         Parameters
@@ -130,7 +131,7 @@ class Partition:
         local = self._local[nodes]
         return local[local >= 0]
 
-    def gather(self, owned: np.ndarray, root: int | None = None) -> np.ndarray | None:
+    def gather(self, owned: np.ndarray, root: int | None = None) -> Any:
         """Nodal values in the surface's numbering from every rank's owned part.
 
         Parameters

@@ -112,7 +112,7 @@ class Shell:
         self.surface, self.fabric = surface, fabric
         self.law = StVenant() if law is None else law
         check_law(self.law, fabric)
-        self.options = {"membrane": membrane, "curvature": curvature, "thick": thick}
+        self.options: dict = {"membrane": membrane, "curvature": curvature, "thick": thick}
         self.partition = partition = Partition(surface, comm)
         self.comm, self.mesh, self.space = comm, partition.mesh, partition.space
         self.w, self.reference = Function(self.space, name="w"), Function(self.space)

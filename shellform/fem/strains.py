@@ -16,13 +16,14 @@ What keeps the elements from locking is what is measured, and where (element.py)
   (1 + dd . dd/12) restores it.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 import ufl
 
-from .dolfinx_compat import cell_name
+from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_name
 
 # s1, s2: from a corner to the midpoint of the edge along axis 1, 2, corners in tensor order
 QUAD_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
@@ -35,12 +36,15 @@ TRIANGLE_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.0], [0.0, -0.5]])
 class Configuration:
     """Tangents g = (x,1, x,2), director d and its derivatives dd = (d,1, d,2), in element axes."""
 
-    g: tuple
-    d: object
-    dd: tuple
+    g: tuple[Expr, Expr]
+    d: Expr
+    dd: tuple[Expr, Expr]
 
 
-def configuration(mesh, w):
+Measure = Callable[[Configuration], Expr]  # a strain as a function of the configuration
+
+
+def configuration(mesh: Mesh, w: Function) -> Configuration:
     """Configuration of the field w = (u, d) on a mesh embedded in 3-D, Eq. 5."""
     jacobian = ufl.Jacobian(mesh)
     slope = ufl.dot(ufl.grad(w), jacobian)
@@ -51,7 +55,7 @@ def configuration(mesh, w):
     return Configuration(tuple(tangents), ufl.as_vector([w[i] for i in range(3, 6)]), tuple(turns))
 
 
-def lamina(mesh, warp):
+def lamina(mesh: Mesh, warp: Expr | None) -> Expr:
     """M[i, a] = l_i . G^a: covariant components to the warp and weft axes of the sheet (Eq. 12).
 
     `warp` is a UFL 3-vector, projected on the surface; None takes the first element axis, for
@@ -72,7 +76,7 @@ def lamina(mesh, warp):
     return ufl.as_matrix([[c1 / (area * length), c2 / (area * length)], [-q / length, p / length]])
 
 
-def voigt(M):
+def voigt(M: Expr) -> Expr:
     """Matrix V with V (e11, e22, e12) = (E11, E22, 2 E12) in lamina axes."""
     return ufl.as_matrix(
         [
@@ -95,7 +99,7 @@ def _from_segments(measure, c, sign):
     return ufl.as_vector([first, second, sign * 0.5 * (first + second - diagonal)])
 
 
-def membrane_arcs(sign):
+def membrane_arcs(sign: Expr | int) -> Measure:
     """Membrane strain from arc lengths; `sign` picks the diagonal seen from the point."""
 
     def half_length_squared(p, q):
@@ -104,13 +108,13 @@ def membrane_arcs(sign):
     return lambda c: _from_segments(half_length_squared, c, sign)
 
 
-def membrane_chords(c):
+def membrane_chords(c: Configuration) -> Expr:
     """Membrane strain eps_ab = x,a . x,b / 2."""
     g1, g2 = c.g
     return 0.5 * ufl.as_vector([ufl.dot(g1, g1), ufl.dot(g2, g2), ufl.dot(g1, g2)])
 
 
-def curvature(c):
+def curvature(c: Configuration) -> Expr:
     """Curvature kap_ab = (x,a . d,b + x,b . d,a) / 2."""
     (g1, g2), (d1, d2) = c.g, c.dd
     return ufl.as_vector(
@@ -123,35 +127,35 @@ def _turning(p, q):
     return ufl.dot(p, q) * (1 + square / 12 + square**2 / 90)
 
 
-def curvature_turning(c):
+def curvature_turning(c: Configuration) -> Expr:
     """Curvature from turning angles along both axes and both diagonals."""
     (g1, g2), (d1, d2) = c.g, c.dd
     twist = (_turning(g1 + g2, d1 + d2) - _turning(g1 - g2, d1 - d2)) / 4
     return ufl.as_vector([_turning(g1, d1), _turning(g2, d2), twist])
 
 
-def curvature_turning_sides(c):
+def curvature_turning_sides(c: Configuration) -> Expr:
     """Curvature from turning angles along the three sides of a triangle."""
     return _from_segments(_turning, c, 1)
 
 
-def director_strain(c):
+def director_strain(c: Configuration) -> Expr:
     """chi_ab = d,a . d,b / 2, the part of the strain quadratic in z."""
     d1, d2 = c.dd
     return 0.5 * ufl.as_vector([ufl.dot(d1, d1), ufl.dot(d2, d2), ufl.dot(d1, d2)])
 
 
-def shear(c):
+def shear(c: Configuration) -> Expr:
     """Transverse shear gam_a = x,a . d."""
     return ufl.as_vector([ufl.dot(g, c.d) for g in c.g])
 
 
-def shear_quad_corner(s):
+def shear_quad_corner(s: Expr) -> Measure:
     """MITC4 shear at a corner from its two edges' midpoints (s: QUAD_CORNERS)."""
     return lambda c: ufl.as_vector([ufl.dot(c.g[a], c.d + s[a] * c.dd[a]) for a in range(2)])
 
 
-def shear_triangle_corner(s):
+def shear_triangle_corner(s: Expr) -> Measure:
     """MITC3 shear at a corner from its two edges' midpoints (s: TRIANGLE_CORNERS)."""
 
     def strain(c):
@@ -172,7 +176,7 @@ def shear_triangle_corner(s):
     return strain
 
 
-def shear_cap(mesh, shear_over_bending):
+def shear_cap(mesh: Mesh, shear_over_bending: Constant | float) -> Expr:
     """Factor below one on a shear stiffness in cells larger than the sheet is thick.
 
     Three edge shears hold a thin triangle too tightly on irregular meshes, and so does the mixed

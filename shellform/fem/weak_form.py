@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import ufl
 from ufl.algorithms import expand_derivatives
 
-from .dolfinx_compat import Function
+from .dolfinx_compat import Constant, Expr, Function, Mesh
 from .element import Term, measure
 from .strains import Configuration, configuration
 
@@ -35,7 +35,7 @@ class WeakForm:
     w, reference : nodal fields (u, d) now and at rest
     """
 
-    mesh: object
+    mesh: Mesh
     terms: list[Term]
     w: Function
     reference: Function
@@ -47,15 +47,15 @@ class WeakForm:
             groups.setdefault(term.rule, []).append(term)
         return [(measure(self.mesh, rule), terms) for rule, terms in groups.items()]
 
-    def configuration(self, w) -> Configuration:
+    def configuration(self, w: Function) -> Configuration:
         """Tangents and directors of a nodal field."""
         return configuration(self.mesh, w)
 
-    def strain(self, term: Term, w):
+    def strain(self, term: Term, w: Function) -> Expr:
         """Strain of a term at a nodal field, less that at rest."""
         return term.strain(self.configuration(w)) - term.strain(self.configuration(self.reference))
 
-    def rate(self, term: Term, w, direction):
+    def rate(self, term: Term, w: Function, direction: Expr) -> Expr:
         """e'(w) direction: change of a term's strain along a direction, a variation or rates."""
         strain = term.strain(self.configuration(w))
         return expand_derivatives(ufl.derivative(strain, w, direction))
@@ -68,7 +68,7 @@ class WeakForm:
                 kinds.setdefault(term.name, []).append(term.energy(self.strain(term, self.w)) * dx)
         return {name: tuple(forms) for name, forms in kinds.items()}
 
-    def newton(self, before, step) -> list[tuple]:
+    def newton(self, before: Function, step: Function) -> list[tuple]:
         """Pairs (virtual work, tangent), one per rule, with the stress linearised about `before`.
 
         Parameters
@@ -100,7 +100,7 @@ class WeakForm:
             for dx, terms in self.by_rule()
         ]
 
-    def damping(self, rates) -> list:
+    def damping(self, rates: Function) -> list:
         """Forms of a viscous force, one per rule: the stiffness at rest times rates of the strains.
 
         It resists every change of strain, whatever stress there is, and no rigid motion.
@@ -115,7 +115,7 @@ class WeakForm:
             for dx, terms in self.by_rule()
         ]
 
-    def pressure(self, pressure) -> tuple:
+    def pressure(self, pressure: Constant) -> tuple:
         """Minus the force of a pressure [Pa] that stays normal to the moving surface; its tangent.
 
         Parameters

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 SHEAR_CORRECTION = 5.0 / 6.0  # parabolic shear stress over a rectangular section
 RANGE = (1e-40, 1e40)  # cubes of a thickness and products of stiffnesses stay numbers
@@ -43,7 +44,7 @@ def positive(unit: str, **values: float) -> None:
             )
 
 
-def symmetric(name: str, value, size: int, unit: str) -> np.ndarray:
+def symmetric(name: str, value: ArrayLike, size: int, unit: str) -> np.ndarray:
     """Read-only copy of a finite symmetric matrix (size, size); FabricError when it is not one."""
     try:
         matrix = np.array(value, dtype=float)
@@ -160,7 +161,7 @@ def turn(stiffness: np.ndarray, degrees: float) -> np.ndarray:
     return T.T @ stiffness @ T
 
 
-def bending_matrix(stiffness, poisson_ratio: float = 0.0) -> np.ndarray:
+def bending_matrix(stiffness: ArrayLike, poisson_ratio: float = 0.0) -> np.ndarray:
     """Bending stiffness matrix from the few values that are measured.
 
     Parameters

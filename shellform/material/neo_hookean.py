@@ -10,6 +10,8 @@ Pulled to lambda in one direction it carries A66 (lambda - lambda^-2) per width 
 The Physics of Rubber Elasticity, 1975). At rest it is isotropic with Poisson's ratio 1/2.
 """
 
+from ufl.core.expr import Expr
+
 from .energy import StVenant
 
 
@@ -19,7 +21,7 @@ class NeoHookean(StVenant):
     Its fabric is isotropic with the Poisson's ratio 1/2: Fabric.isotropic(3 mu, 0.5, ...).
     """
 
-    def membrane(self, E, A):
+    def membrane(self, E: Expr, A: Expr) -> Expr:
         """Energy [J/m^2] of the Green strain of the mid-surface."""
         C11, C22, C12 = 1 + 2 * E[0], 1 + 2 * E[1], E[2]
         return 0.5 * A[2, 2] * (C11 + C22 + 1 / (C11 * C22 - C12**2) - 3)

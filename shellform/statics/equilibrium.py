@@ -21,8 +21,11 @@ import numpy as np
 
 from shellform.fem import director
 from shellform.fem.dolfinx_compat import petsc_vector
+from shellform.fem.shell import Linearised, Shell
 
 from .tangent_map import TangentMap
+
+State = tuple[np.ndarray, np.ndarray]  # of nodes: (u, d) (n, 6) and the frames (n, 3, 2)
 
 
 def _timed(assemble):
@@ -56,7 +59,7 @@ class Equilibrium:
     assembly_seconds : float, spent in residuals and tangents
     """
 
-    def __init__(self, shell, mip=True):
+    def __init__(self, shell: Shell, mip: bool = True):
         self.shell, self.mip, self.level = shell, mip, 0.0
         self.assembly_seconds = 0.0
         self.load_factor, self.inertia = None, None
@@ -76,12 +79,12 @@ class Equilibrium:
         self.T = director.tangent_frames(self._w()[:, 3:], supports.plane)
         self.K6 = shell.create_tangent()
         self.P = TangentMap(shell, self.length)
-        self.K = None
+        self.K: PETSc.Mat = None  # made with the first tangent
         self.goal = np.zeros((self.n, 5))
         self.has_goal = bool(supports.motions) and bool(shell.comm.allreduce(len(supports.motions)))
         self.set_base()
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free PETSc's objects (petsc4py collects them late)."""
         for item in (self.x, self.F, self._direct, self.r6, self._lift6, self._product6):
             item.destroy()
@@ -94,33 +97,33 @@ class Equilibrium:
     def _w(self):
         return self.shell.w.x.array.reshape(-1, 6)
 
-    def state(self):
+    def state(self) -> State:
         """Copy of the configuration: (u, d) and the frames, to come back to."""
         return self._w().copy(), self.T.copy()
 
-    def restore(self, state):
+    def restore(self, state: State) -> None:
         """Return to a configuration of `state()`."""
         self._w()[:], self.T[:] = state
         self.set_base()
 
-    def stale(self):
+    def stale(self) -> bool:
         """True once another equilibrium of the same shell has been made."""
         return self.shell.owner() is not self
 
-    def largest_change(self, state):
+    def largest_change(self, state: State) -> float:
         """Largest displacement [m] of a node since a `state()`."""
         change = np.linalg.norm(self._w()[:, :3] - state[0][:, :3], axis=1).max(initial=0.0)
         return self.shell.comm.allreduce(float(change), op=MPI.MAX)
 
-    def adopt(self):
+    def adopt(self) -> None:
         """Take the shell's field, set from outside, as the present configuration."""
         self.T = director.tangent_frames(self._w()[:, 3:], self.shell.supports.plane)
         self.set_base()
 
-    def set_base(self):
+    def set_base(self) -> None:
         """Make the present configuration the base, with no change before it."""
         self.w_base, self.T_base = self.state()
-        self.stress_from = None
+        self.stress_from: Linearised | None = None
         self._write_x(self.x)
 
     def _write_x(self, x):
@@ -128,7 +131,7 @@ class Equilibrium:
         local[:, :3] = director.along_axes(self._Q_owned, self.w_base[: self.n_owned, :3])
         x.setArray(local.ravel())
 
-    def configure(self, x):
+    def configure(self, x: PETSc.Vec) -> None:
         """Set w and the frames from the unknowns, ghosts included."""
         x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
         with x.localForm() as local:
@@ -139,7 +142,7 @@ class Equilibrium:
             theta = values[:, 3:] / self.length
         w[:, 3:], self.T[:] = director.exponential_map(self.w_base[:, 3:], self.T_base, theta)
 
-    def advance(self, x):
+    def advance(self, x: PETSc.Vec) -> None:
         """Move the base to x, remembering the change for the linearised stress; resets x."""
         self.configure(x)
         with x.localForm() as local:
@@ -159,7 +162,7 @@ class Equilibrium:
 
     # -- equations --------------------------------------------------------------------------------
 
-    def start(self, level):
+    def start(self, level: float) -> None:
         """Prepare a solve at a load level from the present configuration."""
         self.level = level
         self.set_base()
@@ -167,7 +170,7 @@ class Equilibrium:
             self._set_goal()
 
     @_timed
-    def residual(self, x, F):
+    def residual(self, x: PETSc.Vec, F: PETSc.Vec) -> None:
         """F(x) [N], zero on held unknowns that have reached their prescribed value."""
         self.configure(x)
         r5 = self._pull_back(self.forces(None))
@@ -179,7 +182,7 @@ class Equilibrium:
         F.setArray(r5.ravel())
 
     @_timed
-    def tangent(self, x):
+    def tangent(self, x: PETSc.Vec) -> PETSc.Mat:
         """K at x, symmetric unless a moment or pressure makes it otherwise."""
         self.configure(x)
         shell = self.shell
@@ -204,16 +207,16 @@ class Equilibrium:
         return self.K
 
     @property
-    def pressure(self):
+    def pressure(self) -> float:
         """Pressure [Pa] at the present level."""
         return self.shell.loads.pressure_at(self.level, self.load_factor)
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float:
         """Scale of the sheet's stiffness [N/m]."""
         return float(np.abs(self.shell.fabric.membrane).max())
 
-    def force_scale(self):
+    def force_scale(self) -> float:
         """Norm of the loads [N], what a residual is small against; of the reactions without loads.
 
         Reactions of an iterate off the solution can exceed the loads by many orders.
@@ -221,7 +224,7 @@ class Equilibrium:
         loads, reactions = self.pushes()
         return loads or reactions
 
-    def pushes(self):
+    def pushes(self) -> tuple[float, float]:
         """Norms [N] of the loads, inertia among them, and of the reactions."""
         external = np.zeros((self.n_owned, 5))
         self.shell.loads.force_at(self.level, external[:, :3], self.load_factor)
@@ -236,7 +239,7 @@ class Equilibrium:
         loads, reactions = np.sqrt(self.shell.comm.allreduce(parts)).tolist()
         return loads, reactions
 
-    def roundoff(self):
+    def roundoff(self) -> float:
         """Norm of the residual [N] that roundoff of the membrane strain alone can make.
 
         Strains are differences of numbers of order one, and of displacements over the shorter
@@ -250,7 +253,7 @@ class Equilibrium:
         points = self.shell.partition.surface.points
         return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(points))
 
-    def measured_roundoff(self):
+    def measured_roundoff(self) -> float:
         """Norm of the internal forces [N] that roundoff makes here, measured; 4 assemblies.
 
         A sheet turned as a whole has turned forces. What differs is roundoff, of these cells and
@@ -285,7 +288,7 @@ class Equilibrium:
         slender = np.maximum(1.0, sides**2 / surface.cell_areas)
         return max(float(sides.mean()), surface.mean_cell_size), float(slender.mean())
 
-    def forces(self, stress_from=None):
+    def forces(self, stress_from: Linearised | None = None) -> np.ndarray:
         """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""
         r6 = self._internal(stress_from)
         external = self.shell.loads.force_at(

@@ -5,6 +5,8 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from shellform.fem.shell import Shell
+
 
 class TangentMap:
     """P with columns of held unknowns left out.
@@ -18,7 +20,7 @@ class TangentMap:
     length : float [m], by which rotations are scaled
     """
 
-    def __init__(self, shell, length):
+    def __init__(self, shell: Shell, length: float):
         n, supports = shell.partition.n_owned, shell.supports
         first = shell.space.dofmap.index_map.local_range[0]
         self._free = ~supports.held[:n]
@@ -46,7 +48,7 @@ class TangentMap:
             comm=shell.comm,
         )
 
-    def at(self, T):
+    def at(self, T: np.ndarray) -> PETSc.Mat:
         """The matrix with director frames T (at least n_owned, 3, 2)."""
         T = T[: len(self._start)] * self._free[:, None, 3:] / self._length
         for i in range(3):
