@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shellform.fem.arc import arc_lengths
+
 from .belt import Belt, Hands, Ring
 
 GAP = 0.03  # between the waist edge and the legs above it, before [m]
@@ -196,17 +198,6 @@ def elongation(positions, directors, surface):
     pairs = pairs[~near[pairs].any(axis=1)]
     now = arc_lengths(positions[pairs], directors[pairs])
     return now / arc_lengths(surface.points[pairs], surface.directors[pairs]) - 1
-
-
-def arc_lengths(points, directors):
-    """Lengths (k,) [m] of a bent sheet between two of its points (k, 2, 3) with directors there.
-
-    As the shell measures its membrane strain (strains.membrane_arcs): the series of a circular arc,
-    0.1 % below it where the sheet turns by 60 degrees.
-    """
-    dx, dd = points[:, 1] - points[:, 0], directors[:, 1] - directors[:, 0]
-    bent = np.sum(dx * dd, axis=1) ** 2 * (1 + 2 / 15 * np.sum(dd * dd, axis=1)) / 12
-    return np.sqrt(np.sum(dx * dx, axis=1) + bent)
 
 
 def speed(stepper):

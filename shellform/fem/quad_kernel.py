@@ -39,6 +39,7 @@ from .quad_kernel_parts import (
     twist_rate,
     twisted,
 )
+from .strains import voigt_rows
 
 FIRST = np.array([0, 2, 0, 1, 2, 0])
 SECOND = np.array([1, 3, 2, 3, 1, 3])
@@ -104,9 +105,7 @@ def _lamina(G1, G2, warp):
 
 def _voigt(M):
     (a, b), (c, d) = np.moveaxis(M, 0, -1)
-    rows = [[a * a, b * b, 2 * a * b], [c * c, d * d, 2 * c * d]]
-    rows.append([2 * a * c, 2 * b * d, 2 * (a * d + b * c)])
-    return np.moveaxis(np.array(rows), -1, 0)
+    return np.moveaxis(np.array(voigt_rows(a, b, c, d)), -1, 0)
 
 
 @compiled

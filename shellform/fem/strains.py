@@ -18,11 +18,13 @@ What keeps the elements from locking is what is measured, and where (element.py)
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 import ufl
 
+from .arc import half_length_squared, turning
 from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_name
 
 # s1, s2: from a corner to the midpoint of the edge along axis 1, 2, corners in tensor order
@@ -78,17 +80,16 @@ def lamina(mesh: Mesh, warp: Expr | None) -> Expr:
 
 def voigt(M: Expr) -> Expr:
     """Matrix V with V (e11, e22, e12) = (E11, E22, 2 E12) in lamina axes."""
-    return ufl.as_matrix(
-        [
-            [M[0, 0] ** 2, M[0, 1] ** 2, 2 * M[0, 0] * M[0, 1]],
-            [M[1, 0] ** 2, M[1, 1] ** 2, 2 * M[1, 0] * M[1, 1]],
-            [
-                2 * M[0, 0] * M[1, 0],
-                2 * M[0, 1] * M[1, 1],
-                2 * (M[0, 0] * M[1, 1] + M[0, 1] * M[1, 0]),
-            ],
-        ]
-    )
+    return ufl.as_matrix(voigt_rows(M[0, 0], M[0, 1], M[1, 0], M[1, 1]))
+
+
+def voigt_rows(a: Any, b: Any, c: Any, d: Any) -> list[list]:
+    """Rows of `voigt` for M = [[a, b], [c, d]]: numbers, arrays or UFL expressions."""
+    return [
+        [a**2, b**2, 2 * a * b],
+        [c**2, d**2, 2 * c * d],
+        [2 * a * c, 2 * b * d, 2 * (a * d + b * c)],
+    ]
 
 
 def _from_segments(measure, c, sign):
@@ -102,10 +103,10 @@ def _from_segments(measure, c, sign):
 def membrane_arcs(sign: Expr | int) -> Measure:
     """Membrane strain from arc lengths; `sign` picks the diagonal seen from the point."""
 
-    def half_length_squared(p, q):
-        return 0.5 * ufl.dot(p, p) + ufl.dot(p, q) ** 2 * (1 + 2 * ufl.dot(q, q) / 15) / 24
+    def measure(p, q):
+        return half_length_squared(ufl.dot(p, p), ufl.dot(p, q), ufl.dot(q, q))
 
-    return lambda c: _from_segments(half_length_squared, c, sign)
+    return lambda c: _from_segments(measure, c, sign)
 
 
 def membrane_chords(c: Configuration) -> Expr:
@@ -123,8 +124,7 @@ def curvature(c: Configuration) -> Expr:
 
 
 def _turning(p, q):
-    square = ufl.dot(q, q)
-    return ufl.dot(p, q) * (1 + square / 12 + square**2 / 90)
+    return turning(ufl.dot(p, q), ufl.dot(q, q))
 
 
 def curvature_turning(c: Configuration) -> Expr:

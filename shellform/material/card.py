@@ -103,7 +103,16 @@ def fabric_from_card(card: dict, where: str = "fabric card") -> Fabric:
 
 
 def read_fabric(path: str | Path) -> Fabric:
-    """Fabric from a card file.  Raises FabricError naming the file, FileNotFoundError without."""
+    """Fabric from a card file.  Raises FabricError naming the file, FileNotFoundError without.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> from shellform.material.card import CARDS
+    >>> fabric = sf.read_fabric(CARDS / "stiff.toml")
+    >>> fabric.thickness > 0
+    True
+    """
     with open(path, "rb") as file:
         try:
             card = tomllib.load(file)

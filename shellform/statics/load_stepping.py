@@ -38,6 +38,18 @@ class Statics:
     Raises
     ------
     ValueError if the supports leave a rigid motion free
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> surface = meshes.rectangle(0.1, 0.02, (4, 1))
+    >>> shell = sf.Shell(surface, sf.Fabric.isotropic(1e6, 0.3, 1e-3, 400.0))
+    >>> shell.supports.clamp("left")
+    >>> shell.loads.line("right", (0.0, 0.0, 1e-3))
+    >>> with sf.Statics(shell) as statics:
+    ...     steps = statics.solve(2)
+    >>> print(steps[-1].level)
+    1.0
     """
 
     def __init__(self, shell: Shell, prefix: str = "shell_", mip: bool = True):
