@@ -3,7 +3,17 @@
 
 
 class NotConverged(RuntimeError):
-    """No solution at some load level after every cut-back; the last good state is kept."""
+    """No solution at some load level after every cut-back; the last good state is kept.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> try:
+    ...     raise sf.NotConverged("no equilibrium found just beyond level 0.5")
+    ... except RuntimeError as error:
+    ...     print(error)
+    no equilibrium found just beyond level 0.5
+    """
 
 
 class Unstable(RuntimeError):

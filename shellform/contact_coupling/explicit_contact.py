@@ -20,9 +20,6 @@ from typing import Any
 
 import numpy as np
 
-import dolfinx
-from dolfinx import fem
-
 from contact.body.segments import Body
 from contact.solver.cell_samples import (
     collect,
@@ -36,6 +33,7 @@ from contact.solver.contact_ledger import book_loss
 from contact.solver.friction import Friction
 from contact.solver.velocity_correction import VelocityCorrection
 from shellform.dynamics.part import RunningContact
+from shellform.fem.dolfinx_compat import Function, add_ghosts, cell_nodes, vector_space
 from shellform.fem.partition import DOLFINX_ORDER
 
 from . import contact_checkpoint
@@ -135,10 +133,9 @@ class ExplicitContact(RunningContact):
             )
         self._weights = weights
         share = shares(surface.cells[:, DOLFINX_ORDER[4]], weights, len(surface.points))
-        self.cells = partition.space.dofmap.list.array.reshape(-1, 4).astype(np.int64)
+        self.cells = cell_nodes(partition.space).astype(np.int64)
         # nodal fields that ranks exchange: x, v, v before the forces, and the bits of `allowed`
-        space = fem.VectorFunctionSpace(partition.mesh, ("Lagrange", 1), dim=10)
-        self._field = fem.Function(space)
+        self._field = Function(vector_space(partition.mesh, "Lagrange", 1, 10))
         self._nodal = self._field.x.array.reshape(-1, 10)
         self._nodal[: partition.n_owned, 0] = self._held.all(axis=1)
         self._nodal[: partition.n_owned, 1] = stepper.mass
@@ -200,7 +197,7 @@ class ExplicitContact(RunningContact):
         # impulses to the nodes, those of ghosts to their owners
         nodal[:] = 0.0
         spread(inner.last.impulse, cells, weights, nodal)
-        self._field.x.scatter_reverse(dolfinx.cpp.la.ScatterMode.add)
+        add_ghosts(self._field)
         impulse = nodal[:n, :3].copy()
         moved = np.where(outer.fixed[:, None], 0.0, impulse)
         stepper.v += moved / stepper.mass[:, None]

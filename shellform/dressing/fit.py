@@ -6,6 +6,7 @@ import numpy as np
 from meshes import Surface
 from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
+from shellform.fem.arc import arc_lengths
 
 from .belt import Belt, Ring
 
@@ -72,14 +73,3 @@ def elongation(positions: np.ndarray, directors: np.ndarray, surface: Surface) -
     at_rest = np.asarray(surface.directors)
     now = arc_lengths(positions[pairs], directors[pairs])
     return now / arc_lengths(surface.points[pairs], at_rest[pairs]) - 1
-
-
-def arc_lengths(points: np.ndarray, directors: np.ndarray) -> np.ndarray:
-    """Lengths (k,) [m] of a bent sheet between two of its points (k, 2, 3) with directors there.
-
-    As the shell measures its membrane strain (strains.membrane_arcs): the series of a circular arc,
-    0.1 % below it where the sheet turns by 60 degrees.
-    """
-    dx, dd = points[:, 1] - points[:, 0], directors[:, 1] - directors[:, 0]
-    bent = np.sum(dx * dd, axis=1) ** 2 * (1 + 2 / 15 * np.sum(dd * dd, axis=1)) / 12
-    return np.sqrt(np.sum(dx * dx, axis=1) + bent)

@@ -16,10 +16,9 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from dolfinx import fem
-
 from shellform.fem import director
 from shellform.fem.director import carry, turn_to
+from shellform.fem.dolfinx_compat import Function
 from shellform.fem.shell import Shell
 from shellform.statics.equilibrium import Equilibrium
 from shellform.statics.tangent_map import TangentMap
@@ -54,7 +53,7 @@ class Inertial(Equilibrium):
         self.held, self.Q = supports.held.copy(), supports.Q.copy()
         self._Q_owned = self.Q[: self.n_owned]
         self._fixed = supports.held[: self.n_owned, :3].any(axis=1)
-        self._axes = fem.Function(shell.space)
+        self._axes = Function(shell.space)
         self.P.matrix.destroy()
         self.P = TangentMap(shell, self.length, turning=True)
         self.set_base()
@@ -69,6 +68,7 @@ class Inertial(Equilibrium):
 
     def predict(self) -> None:
         """Put the field that inertia pulls the present one to into `inertia`."""
+        assert self.factor is not None  # set before the first step
         d = self._w()[: self.n_owned, 3:]
         pull = carry(turn_to(self.start_d, d) - self.ahead_d, self.start_d, d)
         self.inertia = (self.factor, np.hstack([self.ahead_u, d - pull]))

@@ -76,7 +76,7 @@ class Part:
         return {}
 
 
-class Function(Part):
+class PlainFunction(Part):
     """A plain function (stepper, dt) as a part."""
 
     def __init__(self, function: Callable[[Any, float], object]) -> None:

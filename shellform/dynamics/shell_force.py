@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dolfinx import fem
-
+from shellform.fem.dolfinx_compat import Function
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.shell import Shell
 
@@ -36,7 +35,7 @@ class ShellForce:
         self.internal = InternalForce(shell, damped=damping > 0)
         self._n = shell.partition.n_owned
         # w ahead by `damping` seconds; w itself where there is no damping
-        self._field = shell.w if not damping else fem.Function(shell.space)
+        self._field = shell.w if not damping else Function(shell.space)
         self._ahead = self._field.x.array.reshape(-1, 6)
 
     def force(self, w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float) -> np.ndarray:

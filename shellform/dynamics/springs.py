@@ -17,7 +17,7 @@ import numpy as np
 from contact.kernel import kernel
 from meshes import Surface
 from meshes.topology import directed_edges, unique_edges
-from shellform.material.fabric import Fabric
+from shellform.material.sheet import Sheet
 
 from .explicit_kernels import work_over
 
@@ -173,7 +173,7 @@ class Springs:
         surface: Surface,
         cells: np.ndarray,
         points: np.ndarray,
-        fabric: Fabric,
+        fabric: Sheet,
         bending: str = "flexion",
         curvature: float | None = None,
         damping: float = 0.0,

@@ -12,15 +12,14 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from dolfinx import fem
-
 from shellform.errors import Unstable
+from shellform.fem.dolfinx_compat import Function, petsc_view
 from shellform.fem.lumped_mass import lumped
 from shellform.fem.shell import Shell
 
 from . import explicit_kernels
 from .books import BY_DRAG, BY_LOADS, BY_SUPPORTS, Clock, new_books
-from .part import AppliedForce, Attachable, Function, Part, RunningContact
+from .part import AppliedForce, Attachable, Part, PlainFunction, RunningContact
 
 
 class Stepper:
@@ -66,7 +65,7 @@ class Stepper:
         self.ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         self.ts.setMaxSteps(2**31 - 1)
         # PETSc copies this vector around every step: it must not be the memory of w
-        self._ts_vector = shell.w.vector.duplicate()
+        self._ts_vector = petsc_view(shell.w).duplicate()
         self.ts.setSolution(self._ts_vector)
         self.ts.setFromOptions()
 
@@ -143,7 +142,7 @@ class Stepper:
                 f"a stepper takes parts, as Contact(body), and functions of (stepper, dt), "
                 f"not {part!r}"
             )
-        return Function(part).attach(self)
+        return PlainFunction(part).attach(self)
 
     def remove(self, part: Part) -> None:
         """Let a part run no longer."""
@@ -179,7 +178,7 @@ class Stepper:
         self.ts.setTimeStep(self.next_dt())
         self.ts.solve(self._ts_vector)
         self.time = until
-        self.shell.w.vector.copy(self._ts_vector)
+        petsc_view(self.shell.w).copy(self._ts_vector)
 
     def next_dt(self) -> float:
         """Step [s] that brings `until` nearer without leaving a crumb."""
@@ -235,7 +234,7 @@ class Stepper:
             if fault:
                 raise Unstable(fault)
 
-    def scatter(self, field: fem.Function | None = None) -> None:
+    def scatter(self, field: Function | None = None) -> None:
         """Bring ghosts of w, or of another Function, up to date."""
         if self.shell.comm.size > 1:
             (field or self.shell.w).x.scatter_forward()

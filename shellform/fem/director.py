@@ -15,7 +15,7 @@ Comput. Methods Appl. Mech. Engrg. 79, 1990).
 import numpy as np
 
 
-def rotation_matrix(theta):
+def rotation_matrix(theta: np.ndarray) -> np.ndarray:
     """Rotation matrix of a rotation vector, Eq. 7.
 
     Parameters
@@ -39,7 +39,9 @@ def rotation_matrix(theta):
     )
 
 
-def rotated_director(theta, e1, e2, e3):
+def rotated_director(
+    theta: np.ndarray, e1: np.ndarray, e2: np.ndarray, e3: np.ndarray
+) -> np.ndarray:
     """Director after the rotation theta1 e1 + theta2 e2 of the initial director e3, Eq. 8.
 
     The paper prints the last term as (1 - cos theta) e3; rotating e3 by Eq. 7 gives
@@ -59,7 +61,7 @@ def rotated_director(theta, e1, e2, e3):
     return np.asarray(e3, float) + director_tip(theta, e1, e2, e3)
 
 
-def director_tip(theta, e1, e2, e3):
+def director_tip(theta: np.ndarray, e1: np.ndarray, e2: np.ndarray, e3: np.ndarray) -> np.ndarray:
     """Displacement of the director's tip d - e3, Eq. 9 (arguments as in Eq. 8)."""
     theta, e1, e2, e3 = (np.asarray(q, float) for q in (theta, e1, e2, e3))
     angle = np.linalg.norm(theta, axis=-1, keepdims=True)
@@ -67,7 +69,7 @@ def director_tip(theta, e1, e2, e3):
     return np.sinc(angle / np.pi) * across - 2 * np.sin(angle / 2) ** 2 * e3
 
 
-def tangent_frames(d, normal=None):
+def tangent_frames(d: np.ndarray, normal: np.ndarray | None = None) -> np.ndarray:
     """Two unit vectors that complete each director to a right-handed basis (t1, t2, d).
 
     Parameters
@@ -89,7 +91,9 @@ def tangent_frames(d, normal=None):
     return np.stack([np.cross(t2, d), t2], axis=2)
 
 
-def exponential_map(d, T, theta):
+def exponential_map(
+    d: np.ndarray, T: np.ndarray, theta: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Turn directors along the great circle of the tangent vector T theta, frames with them.
 
     The frame is carried parallel along the arc, so it stays continuous in theta and a held second
@@ -117,7 +121,7 @@ def exponential_map(d, T, theta):
     return turned, np.stack([np.cross(t2, turned), t2], axis=2)
 
 
-def logarithmic_map(d, T, target):
+def logarithmic_map(d: np.ndarray, T: np.ndarray, target: np.ndarray) -> np.ndarray:
     """Rotations theta with exponential_map(d, T, theta)[0] = target.
 
     Parameters
@@ -136,7 +140,7 @@ def logarithmic_map(d, T, target):
     return angle * across / np.where(sine == 0, 1.0, sine)
 
 
-def pull_back(r, T, Q=None):
+def pull_back(r: np.ndarray, T: np.ndarray, Q: np.ndarray | None = None) -> np.ndarray:
     """Nodal forces of the 5 unknowns from those of the 6: r5 = P^T r6 (Eq. 10 transposed).
 
     Parameters
@@ -154,7 +158,7 @@ def pull_back(r, T, Q=None):
     return r5
 
 
-def push_forward(x, T, Q=None):
+def push_forward(x: np.ndarray, T: np.ndarray, Q: np.ndarray | None = None) -> np.ndarray:
     """Change of (u, d) from the 5 unknowns to first order: dw6 = P x5 (Eq. 10).
 
     Parameters
@@ -171,17 +175,17 @@ def push_forward(x, T, Q=None):
     return w
 
 
-def along_axes(Q, vectors):
+def along_axes(Q: np.ndarray | None, vectors: np.ndarray) -> np.ndarray:
     """Components of vectors (n, 3) along the rows of Q (n, 3, 3); Q None: the world's axes."""
     return vectors if Q is None else np.einsum("nij,nj->ni", Q, vectors)
 
 
-def along(vectors, d):
+def along(vectors: np.ndarray, d: np.ndarray) -> np.ndarray:
     """Part of vectors (n, 3) along unit vectors d (n, 3)."""
     return np.sum(vectors * d, axis=1, keepdims=True) * d
 
 
-def turn_to(start, end):
+def turn_to(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Turns (n, 3) [rad], tangent to `start`, that lead along great circles to `end`."""
     across = end - along(end, start)
     sine = np.linalg.norm(across, axis=1, keepdims=True)
@@ -189,7 +193,7 @@ def turn_to(start, end):
     return across * np.where(sine > 0, angle / np.where(sine > 0, sine, 1.0), 1.0)
 
 
-def carry(vectors, start, end):
+def carry(vectors: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Vectors (n, 3) tangent to `start`, carried parallel along the great circle to `end`."""
     both = start + end
     return vectors - np.sum(vectors * end, axis=1, keepdims=True) * both / (

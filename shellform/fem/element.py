@@ -14,29 +14,46 @@ chord membrane under folds across the mesh; uniform 2x2 leaves 9-node quads four
 
 FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silently; so terms are
 grouped by rule and every rule becomes a form of its own.
+
+A law that is not quadratic in a strain gives the density of that strain's Term. Where a quadratic
+energy is shared out over several rules, or couples strains, it stays, and what the law has beyond
+it is added at 2x2 Gauss points: modes that these do not see are held by the quadratic part.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 import ufl
-from dolfinx import fem
+from ufl.algorithms import expand_derivatives
+
+from meshes import Surface
+from shellform.material.energy import StVenant, is_quadratic, quadratic
+from shellform.material.sheet import Sheet
 
 from . import strains
+from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_nodes, given_cells, vector_space
 
-GAUSS2 = ((0.5 - 0.5 / np.sqrt(3), 0.5), (0.5 + 0.5 / np.sqrt(3), 0.5))
-GAUSS3 = ((0.5 - 0.5 * np.sqrt(0.6), 5 / 18), (0.5, 4 / 9), (0.5 + 0.5 * np.sqrt(0.6), 5 / 18))
-SIMPSON = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))
-ENDS = ((0.0, 0.5), (1.0, 0.5))
+Pairs = tuple[tuple[float, float], ...]  # points and weights on [0, 1]
+
+GAUSS2: Pairs = ((0.5 - 0.5 / np.sqrt(3), 0.5), (0.5 + 0.5 / np.sqrt(3), 0.5))
+GAUSS3: Pairs = (
+    (0.5 - 0.5 * np.sqrt(0.6), 5 / 18),
+    (0.5, 4 / 9),
+    (0.5 + 0.5 * np.sqrt(0.6), 5 / 18),
+)
+SIMPSON: Pairs = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))
+ENDS: Pairs = ((0.0, 0.5), (1.0, 0.5))
 
 
-def product_rule(first, second):
+def product_rule(first: Pairs, second: Pairs) -> list[tuple[float, float, float]]:
     """Rows (p, q, weight) of the tensor rule of two one-dimensional rules on [0, 1]."""
     return [(p, q, a * b) for p, a in first for q, b in second]
 
 
-RULES = {
+RULES: dict[str, list[tuple[float, float, float]]] = {
     "corners": product_rule(ENDS, ENDS),
     "gauss2": product_rule(GAUSS2, GAUSS2),
     "gauss23": product_rule(GAUSS2, GAUSS3),
@@ -48,7 +65,7 @@ RULES = {
 }
 
 
-def measure(mesh, rule):
+def measure(mesh: Mesh, rule: str) -> ufl.Measure:
     """UFL measure that integrates with one of the RULES."""
     metadata = {
         "quadrature_rule": "custom",
@@ -61,59 +78,98 @@ def measure(mesh, rule):
 
 @dataclass(frozen=True)
 class Term:
-    """One addend of the strain energy per area, product(strain, strain)/2, at one rule.
+    """One addend of the strain energy per area, at one rule.
 
-    `strain` maps a configuration to a UFL vector, `product` is the symmetric bilinear form of its
-    stiffness.
+    Attributes
+    ----------
+    name : kind of strain
+    strain : maps a configuration to a UFL vector
+    product : symmetric bilinear form of the stiffness at rest; None: none of its own
+    rule : one of RULES
+    density : maps a strain to its energy; None: product(strain, strain)/2
     """
 
     name: str
-    strain: object
-    product: object
+    strain: Callable
+    product: Any  # a Callable, or None where `density` is all there is
     rule: str
+    density: Callable | None = None
+
+    def energy(self, strain: Expr) -> Expr:
+        """psi, energy per area [J/m^2] at a strain."""
+        if self.density is None:
+            return 0.5 * self.product(strain, strain)
+        return self.density(strain)
+
+    def stress_work(self, strain: Expr, virtual: Expr) -> Expr:
+        """psi' . virtual: the work of the stress at `strain`."""
+        if self.density is None:
+            return self.product(strain, virtual)
+        strain = ufl.variable(strain)
+        return ufl.dot(expand_derivatives(ufl.diff(self.density(strain), strain)), virtual)
+
+    def stiffness_work(self, strain: Expr, change: Expr, virtual: Expr) -> Expr:
+        """change . psi'' . virtual: that of the stress that a change of strain adds."""
+        if self.density is None:
+            return self.product(change, virtual)
+        strain = ufl.variable(strain)
+        stress = ufl.diff(self.density(strain), strain)
+        tangent = expand_derivatives(ufl.diff(stress, strain))
+        return ufl.dot(ufl.dot(tangent, change), virtual)
 
 
-def energy_terms(mesh, surface, fabric, membrane, curvature, thick):
-    """Terms of the strain energy that an element and a fabric need.
+def energy_terms(
+    mesh: Mesh,
+    surface: Surface,
+    fabric: Sheet,
+    law: StVenant,
+    membrane: str,
+    curvature: str,
+    thick: bool,
+) -> list[Term]:
+    """Terms of the strain energy that an element, a fabric and a law need.
 
     Parameters
     ----------
     mesh : dolfinx.mesh.Mesh of the surface
-    surface, fabric, membrane, curvature, thick : see `Shell`
-
-    Returns
-    -------
-    list of Term
+    surface, fabric, law, membrane, curvature, thick : see `Shell`
     """
     M = strains.lamina(mesh, warp_field(mesh, surface.warp) if fabric.directional else None)
     V = strains.voigt(M)
     matrices = ("membrane", "coupling", "bending", "third_moment", "fourth_moment", "shear")
-    A, B, D, E, F, S = (fem.Constant(mesh, np.array(getattr(fabric, m))) for m in matrices)
+    A, B, D, E, F, S = (Constant(mesh, np.array(getattr(fabric, m))) for m in matrices)
     b = B if np.any(fabric.coupling) else None
     ratio = np.trace(fabric.shear) / (fabric.bending[0, 0] + fabric.bending[1, 1])
-    cap = strains.shear_cap(mesh, fem.Constant(mesh, float(ratio)))
+    cap = strains.shear_cap(mesh, Constant(mesh, float(ratio)))
+    of_law = Densities(law, V, M, {"membrane": A, "bending": D, "shear": S})
     if surface.degree == 2:
-        return _nine_nodes(V, M, (A, b, D, E, F, S), cap, thick)
+        return _nine_nodes(V, M, (A, b, D, E, F, S), cap, thick, of_law)
     triangle = surface.kind == "triangle"
     corners, inside = ("vertices", "vertices") if triangle else ("corners", "gauss2")
     if triangle:
-        s = corner_offsets(mesh, "DG", strains.TRIANGLE_CORNERS)
+        s = corner_offsets(mesh, strains.TRIANGLE_CORNERS)
         gamma, kappa = strains.shear_triangle_corner(s), strains.curvature_turning_sides
     else:
-        s = corner_offsets(mesh, "DQ", strains.QUAD_CORNERS)
+        s = corner_offsets(mesh, strains.QUAD_CORNERS)
         gamma, kappa = strains.shear_quad_corner(s), strains.curvature_turning
         cap = 1
     kappa = strains.curvature if curvature == "plain" else kappa
-    shear = Term("shear", gamma, lambda p, q: cap * ufl.dot(M * p, S * (M * q)), corners)
+    shear = Term(
+        *("shear", gamma, lambda p, q: cap * ufl.dot(M * p, S * (M * q)), corners),
+        of_law.whole("shear", cap),
+    )
     if b is not None or thick:
         # products of membrane and bending strain: a positive energy needs common points
-        measures = [strains.membrane_chords, kappa, strains.director_strain]
-        blocks = [[A, b, D], [b, D, E], [D, E, F]]
+        measures: list[Callable] = [strains.membrane_chords, kappa, strains.director_strain]
+        blocks: list[list] = [[A, b, D], [b, D, E], [D, E, F]]
         if not thick:
             measures, blocks = measures[:2], [row[:2] for row in blocks[:2]]
+        name = "membrane and bending"
         return [
             shear,
-            Term("membrane and bending", stacked(measures), stacked_product(V, blocks), inside),
+            Term(name, stacked(measures), stacked_product(V, blocks), inside),
+            *of_law.beyond("membrane", name, measures[0], inside),
+            *of_law.beyond("bending", name, measures[1], inside),
         ]
     if membrane == "arcs":
         eps, place = strains.membrane_arcs(1 if triangle else 4 * s[0] * s[1]), corners
@@ -121,12 +177,45 @@ def energy_terms(mesh, surface, fabric, membrane, curvature, thick):
         eps, place = strains.membrane_chords, inside
     return [
         shear,
-        Term("membrane", eps, stacked_product(V, [[A]]), place),
-        Term("bending", kappa, stacked_product(V, [[D]]), inside),
+        Term("membrane", eps, stacked_product(V, [[A]]), place, of_law.whole("membrane")),
+        Term("bending", kappa, stacked_product(V, [[D]]), inside, of_law.whole("bending")),
     ]
 
 
-def _nine_nodes(V, M, stiffness, cap, thick):
+@dataclass(frozen=True)
+class Densities:
+    """Energies of a law as functions of strains in element axes.
+
+    `V`, `M` take those of three and of two components to warp and weft; `stiffness` of the fabric
+    by name of the strain.
+    """
+
+    law: StVenant
+    V: Expr
+    M: Expr
+    stiffness: dict[str, Constant]
+
+    def whole(self, strain: str, scale: Expr | float = 1) -> Callable | None:
+        """Density of a strain times a scale; None where the law is quadratic in it."""
+        if is_quadratic(self.law, strain):
+            return None
+        density, stiffness = getattr(self.law, strain), self.stiffness[strain]
+        axes = self.M if strain == "shear" else self.V
+        return lambda e: scale * density(axes * e, stiffness)
+
+    def beyond(
+        self, strain: str, name: str, measure: Callable, rule: str, scale: Expr | float = 1
+    ) -> list[Term]:
+        """Term of what the law stores in a strain beyond the quadratic energy; none if nothing."""
+        whole = self.whole(strain, scale)
+        if whole is None:
+            return []
+        stiffness, axes = self.stiffness[strain], self.M if strain == "shear" else self.V
+        rest = lambda e: whole(e) - scale * quadratic(axes * e, stiffness)  # noqa: E731
+        return [Term(name, measure, None, rule, rest)]
+
+
+def _nine_nodes(V, M, stiffness, cap, thick, of_law):
     A, b, D, E, F, S = stiffness
     C = ufl.dot(ufl.transpose(V), ufl.dot(A, V))
     T = ufl.dot(ufl.transpose(M), ufl.dot(S, M))
@@ -145,7 +234,9 @@ def _nine_nodes(V, M, stiffness, cap, thick):
         Term("shear", gam, lambda p, q: T[0, 0] * p[0] * q[0], "lines1"),
         Term("shear", gam, lambda p, q: T[1, 1] * p[1] * q[1], "lines2"),
         Term("shear", gam, lambda p, q: cross * (p[0] * q[1] + p[1] * q[0]), "gauss2"),
-        Term("bending", kap, stacked_product(V, [[D]]), "gauss3"),
+        Term("bending", kap, stacked_product(V, [[D]]), "gauss3", of_law.whole("bending")),
+        *of_law.beyond("membrane", "membrane", eps, "gauss2"),
+        *of_law.beyond("shear", "shear", gam, "gauss2", cap),
     ]
     if thick:
         measures = [eps, kap, strains.director_strain]
@@ -157,7 +248,7 @@ def _nine_nodes(V, M, stiffness, cap, thick):
     return [*terms, Term("coupling", stacked(measures), stacked_product(V, blocks), "gauss2")]
 
 
-def stacked(measures):
+def stacked(measures: list[Callable]) -> Callable:
     """Several strain measures in one vector of 3 components each."""
 
     def strain(configuration):
@@ -167,7 +258,7 @@ def stacked(measures):
     return strain
 
 
-def stacked_product(V, blocks):
+def stacked_product(V: Expr, blocks: list[list]) -> Callable:
     """Product sum_ij p_i . C_ij q_j in lamina axes; None for an absent block."""
 
     def part(strain, i):
@@ -184,26 +275,25 @@ def stacked_product(V, blocks):
     return product
 
 
-def warp_field(mesh, warp):
+def warp_field(mesh: Mesh, warp: np.ndarray | None) -> Expr:
     """UFL vector of the warp direction: one for all (3,), or one a cell (m, 3)."""
     warp = np.asarray(warp, float)
     if warp.ndim == 1:
-        return fem.Constant(mesh, warp)
-    field = fem.Function(fem.VectorFunctionSpace(mesh, ("DG", 0), dim=3))
+        return Constant(mesh, warp)
+    field = Function(vector_space(mesh, "DG", 0, 3))
     # dolfinx renumbers cells; field numbering follows its own cells
-    field.x.array.reshape(-1, 3)[:] = warp[np.asarray(mesh.topology.original_cell_index)]
+    field.x.array.reshape(-1, 3)[:] = warp[given_cells(mesh)]
     return field
 
 
-def corner_offsets(mesh, family, table):
+def corner_offsets(mesh: Mesh, table: np.ndarray) -> Function:
     """Field with the same corner values in every cell: UFL knows no reference coordinates."""
-    space = fem.FunctionSpace(mesh, ufl.VectorElement(family, mesh.ufl_cell(), 1, dim=2))
-    field = fem.Function(space)
-    field.x.array.reshape(-1, 2)[space.dofmap.list.array.reshape(-1, len(table))] = table
+    field = Function(vector_space(mesh, "DG", 1, 2))
+    field.x.array.reshape(-1, 2)[cell_nodes(field.function_space)] = table
     return field
 
 
-def check_warp(surface, fabric):
+def check_warp(surface: Surface, fabric: Sheet) -> None:
     """ValueError if a warp direction is missing or stands up from the surface in some cell."""
     if surface.warp is None:
         raise ValueError(
@@ -224,7 +314,7 @@ def check_warp(surface, fabric):
         )
 
 
-def terms_of(fabric, thick=False):
+def terms_of(fabric: Sheet, thick: bool = False) -> list[str]:
     """Names of the strains whose energy a sheet of a fabric has; `thick` as for Shell."""
     terms = ["membrane", "bending", "transverse shear"]
     if np.any(fabric.coupling):

@@ -9,11 +9,19 @@ Every load has an amplitude: a function of the load level or time. Without one i
 level in statics and stands at its full value in dynamics. A load of zero is left out.
 """
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .element import GAUSS3
 from .lumped_mass import nodal_areas
+from .partition import Partition, Place
 from .shape_functions import surface_rule
+
+# of the load level or time; a vector (3,), or a function of points (k, 3) that gives one each
+Amplitude = Callable[[float], float]
+Field = ArrayLike | Callable[[np.ndarray], ArrayLike]
 
 
 class Loads:
@@ -27,25 +35,28 @@ class Loads:
     named : list of str, the kinds of load given, in their order
     """
 
-    def __init__(self, partition, areal_mass):
+    def __init__(self, partition: Partition, areal_mass: float):
         self.partition, self.areal_mass = partition, areal_mass
-        self.forces, self.moments, self.pressures, self.named = [], [], [], []
+        self.forces: list[tuple] = []
+        self.moments: list[tuple] = []
+        self.pressures: list[tuple] = []
+        self.named: list[str] = []
 
-    def kinds(self):
+    def kinds(self) -> dict[str, int]:
         """Kinds of load on the sheet -> how many of each, without those of zero."""
         return {kind: self.named.count(kind) for kind in dict.fromkeys(self.named)}
 
-    def point(self, where, force, amplitude=None):
+    def point(self, where: Place, force: Field, amplitude: Amplitude | None = None) -> None:
         """Force (3,) [N] on *each* node at a place (see `Partition.find`)."""
         whole = np.zeros_like(self.partition.surface.points)
         whole[self.partition.find(where)] = _vector(force, "force", "N")
         self._add_forces("forces at points", whole, amplitude)
 
-    def line(self, edge, force, amplitude=None):
+    def line(self, edge: str, force: Field, amplitude: Amplitude | None = None) -> None:
         """Force per length (3,) or function of points (k, 3) -> (k, 3) [N/m] along a named edge."""
         self._add_forces("forces on lines", self._along(edge, force, "line load", "N/m"), amplitude)
 
-    def surface(self, traction, amplitude=None):
+    def surface(self, traction: Field, amplitude: Amplitude | None = None) -> None:
         """Dead traction (3,) or function of points (k, 3) -> (k, 3) [Pa] on the whole surface."""
         surface = self.partition.surface
         whole = np.zeros_like(surface.points)
@@ -55,7 +66,9 @@ class Loads:
                 np.add.at(whole, node, shape[i] * value)
         self._add_forces("dead tractions", whole, amplitude)
 
-    def gravity(self, acceleration=(0.0, 0.0, -9.81), amplitude=None):
+    def gravity(
+        self, acceleration: ArrayLike = (0.0, 0.0, -9.81), amplitude: Amplitude | None = None
+    ) -> None:
         """Weight by an acceleration (3,) [m/s^2]; needs the fabric's areal mass."""
         g = _vector(acceleration, "gravity", "m/s^2")
         if self.areal_mass is None:
@@ -67,19 +80,19 @@ class Loads:
         areas = nodal_areas(self.partition.surface)
         self._add_forces("gravity", self.areal_mass * areas[:, None] * g, amplitude)
 
-    def edge_moment(self, edge, moment, amplitude=None):
+    def edge_moment(self, edge: str, moment: Field, amplitude: Amplitude | None = None) -> None:
         """Moment per length (3,) [N m/m], fixed in space, on the directors of a named edge."""
         self._add_moments(
             "moments on lines", self._along(edge, moment, "edge moment", "N m/m"), amplitude
         )
 
-    def point_moment(self, where, moment, amplitude=None):
+    def point_moment(self, where: Place, moment: Field, amplitude: Amplitude | None = None) -> None:
         """Moment (3,) [N m], fixed in space, on the director of each node at a place."""
         whole = np.zeros_like(self.partition.surface.points)
         whole[self.partition.find(where)] = _vector(moment, "moment", "N m")
         self._add_moments("moments at points", whole, amplitude)
 
-    def pressure(self, pressure, amplitude=None):
+    def pressure(self, pressure: float, amplitude: Amplitude | None = None) -> None:
         """Pressure [Pa] that stays normal to the moving surface, positive towards the director."""
         if np.ndim(pressure) != 0 or not np.isfinite(pressure):
             raise ValueError(f"pressure must be one finite number of Pa, not {pressure}")
@@ -89,11 +102,11 @@ class Loads:
         self.pressures.append((amplitude, float(pressure)))
         self.named.append("pressure")
 
-    def steady(self):
+    def steady(self) -> bool:
         """True if no load has an amplitude."""
         return not any(load[0] for load in (*self.forces, *self.moments, *self.pressures))
 
-    def force_at(self, level, out, default=None):
+    def force_at(self, level: float, out: np.ndarray, default: float | None = None) -> np.ndarray:
         """Add the nodal forces (n_owned, 3) [N] at a level or time to `out`.
 
         `default` is the factor of loads without amplitude; None: the level.
@@ -102,11 +115,13 @@ class Loads:
             out += factor(amplitude, level, default) * nodal
         return out
 
-    def pressure_at(self, level, default=None):
+    def pressure_at(self, level: float, default: float | None = None) -> float:
         """Sum of the pressures [Pa] at a level or time."""
         return sum(factor(a, level, default) * p for a, p in self.pressures)
 
-    def moment_at(self, level, default=None):
+    def moment_at(
+        self, level: float, default: float | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Owned nodes (k,) that carry moments and the moments (k, 3) [N m] at a level or time."""
         if len(self.moments) == 1:
             amplitude, nodes, moments = self.moments[0]
@@ -158,7 +173,7 @@ class Loads:
         self.moments.append((amplitude, nodes, owned[nodes]))
 
 
-def factor(amplitude, level, default):
+def factor(amplitude: Amplitude | None, level: float, default: float | None) -> float:
     """Value of an amplitude at a level; of no amplitude: `default`, or the level itself.
 
     ValueError for an amplitude that is no finite number there.

@@ -8,13 +8,16 @@ least. In explicit steps I is raised to rho t A c h^2/12 (Hughes, Cohen and Haro
 
 import numpy as np
 
+from meshes import Surface
+from shellform.material.sheet import Sheet
+
 from .element import ENDS, SIMPSON, product_rule
 from .shape_functions import shape_functions
 
 ROTARY_SCALE = 1.5  # c: rotary inertia rho t A h^2/8, measured to leave the membrane in charge
 
 
-def nodal_areas(surface):
+def nodal_areas(surface: Surface) -> np.ndarray:
     """Area (n,) [m^2] that each node carries, by quadrature at the nodes; all positive."""
     width = surface.cells.shape[1]
     if width == 3:
@@ -31,7 +34,9 @@ def nodal_areas(surface):
     return areas
 
 
-def lumped(surface, fabric, rotary_scale=ROTARY_SCALE):
+def lumped(
+    surface: Surface, fabric: Sheet, rotary_scale: float = ROTARY_SCALE
+) -> tuple[np.ndarray, np.ndarray]:
     """Nodal masses (n,) [kg] and rotary inertias (n,) [kg m^2].
 
     Parameters

@@ -6,16 +6,23 @@ that dolfinx assigned. Whatever the user names (an edge, a locator function, nod
 is resolved in the surface's own numbering, the same on every rank, then cut to the rank.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from mpi4py import MPI
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-import dolfinx
-import ufl
-from dolfinx import fem
+from meshes import Surface
+
+from .dolfinx_compat import cell_nodes, geometry_nodes, given_points, surface_mesh, vector_space
 
 # corners of a dolfinx cell run in tensor order, those of a surface in cyclic order
 DOLFINX_ORDER = {3: [0, 1, 2], 4: [0, 1, 3, 2], 9: [0, 1, 3, 2, 4, 7, 5, 6, 8]}
+
+# a name, a function of points, a point, or node numbers: see `Partition.find`
+Place = str | Callable[[np.ndarray], ArrayLike] | ArrayLike
 
 
 class Partition:
@@ -33,40 +40,29 @@ class Partition:
     origin : (3,) [m]; length : float [m], square root of the area, the scale of the scene
     """
 
-    def __init__(self, surface, comm=MPI.COMM_WORLD):
+    def __init__(self, surface: Surface, comm: MPI.Comm = MPI.COMM_WORLD):
         self.surface, self.comm = surface, comm
         self.origin = surface.points.mean(axis=0)
         self.length = float(np.sqrt(surface.area))
         cells = surface.cells[:, DOLFINX_ORDER[surface.cells.shape[1]]]
-        cell = ufl.Cell(surface.kind, geometric_dimension=3)
-        element = ufl.VectorElement("Lagrange", cell, surface.degree)
-        first = comm.rank == 0
-        self.mesh = dolfinx.mesh.create_mesh(
-            comm,
-            cells if first else np.empty((0, cells.shape[1]), np.int64),
-            surface.points - self.origin if first else np.empty((0, 3)),
-            ufl.Mesh(element),
-            dolfinx.mesh.GhostMode.none,
+        self.mesh = surface_mesh(
+            comm, surface.kind, surface.degree, cells, surface.points - self.origin
         )
-        self.space = fem.VectorFunctionSpace(self.mesh, ("Lagrange", surface.degree), dim=6)
+        self.space = vector_space(self.mesh, "Lagrange", surface.degree, 6)
         index_map = self.space.dofmap.index_map
         self.n_owned, self.n_local = (
             index_map.size_local,
             index_map.size_local + index_map.num_ghosts,
         )
         # fields and geometry share one element, so their cell dofmaps correspond entry by entry
-        width = cells.shape[1]
-        original = np.asarray(self.mesh.geometry.input_global_indices)
         self.nodes = np.full(self.n_local, -1, np.int64)
-        self.nodes[self.space.dofmap.list.array.reshape(-1, width)] = original[
-            self.mesh.geometry.dofmap.array.reshape(-1, width)
-        ]
+        self.nodes[cell_nodes(self.space)] = given_points(self.mesh)[geometry_nodes(self.mesh)]
         self.owned_nodes = self.nodes[: self.n_owned]
         self._local = np.full(len(surface.points), -1, np.int64)
         self._local[self.nodes] = np.arange(self.n_local)
-        self.directors = surface.directors[self.nodes]
+        self.directors = np.asarray(surface.directors)[self.nodes]
 
-    def find(self, where):
+    def find(self, where: Any) -> np.ndarray:
         """Surface node numbers, sorted, of a place in the garment.
 
         Parameters
@@ -120,7 +116,7 @@ class Partition:
             )
         return np.array([nearest])
 
-    def edge(self, name):
+    def edge(self, name: str) -> np.ndarray:
         """Segments (k, 2 or 3) of a named edge; ValueError if there is none of that name."""
         edges = self.surface.edges
         if name not in edges:
@@ -130,12 +126,12 @@ class Partition:
             )
         return edges[name]
 
-    def local(self, nodes):
+    def local(self, nodes: np.ndarray) -> np.ndarray:
         """Local numbers (owned and ghost) of surface nodes, those on this rank only."""
         local = self._local[nodes]
         return local[local >= 0]
 
-    def gather(self, owned, root=None):
+    def gather(self, owned: np.ndarray, root: int | None = None) -> Any:
         """Nodal values in the surface's numbering from every rank's owned part.
 
         Parameters

@@ -12,6 +12,8 @@ Nodes of a cell run in tensor order (0,0), (1,0), (0,1), (1,1). Segments: 0 = 01
 
 import numpy as np
 
+from shellform.material.sheet import Sheet
+
 from .element import GAUSS2
 from .quad_kernel_parts import (
     add,
@@ -37,6 +39,7 @@ from .quad_kernel_parts import (
     twist_rate,
     twisted,
 )
+from .strains import voigt_rows
 
 FIRST = np.array([0, 2, 0, 1, 2, 0])
 SECOND = np.array([1, 3, 2, 3, 1, 3])
@@ -44,7 +47,13 @@ LINE = np.array([p for p, _ in GAUSS2])
 NEAR, FAR = 1.0 - GAUSS2[0][0], GAUSS2[0][0]
 
 
-def baked(points, directors, cells, warp, fabric):
+def baked(
+    points: np.ndarray,
+    directors: np.ndarray,
+    cells: np.ndarray,
+    warp: np.ndarray | None,
+    fabric: Sheet,
+) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness at corners and Gauss points and the strains at rest, cell by cell.
 
     Parameters
@@ -96,9 +105,7 @@ def _lamina(G1, G2, warp):
 
 def _voigt(M):
     (a, b), (c, d) = np.moveaxis(M, 0, -1)
-    rows = [[a * a, b * b, 2 * a * b], [c * c, d * d, 2 * c * d]]
-    rows.append([2 * a * c, 2 * b * d, 2 * (a * d + b * c)])
-    return np.moveaxis(np.array(rows), -1, 0)
+    return np.moveaxis(np.array(voigt_rows(a, b, c, d)), -1, 0)
 
 
 @compiled
@@ -133,7 +140,16 @@ def _line(X, k):
 
 
 @compiled
-def add_force(w, ahead, damped, points, cells, stiffness, rest, r):
+def add_force(
+    w: np.ndarray,
+    ahead: np.ndarray,
+    damped: bool,
+    points: np.ndarray,
+    cells: np.ndarray,
+    stiffness: np.ndarray,
+    rest: np.ndarray,
+    r: np.ndarray,
+) -> float:
     """Add the internal forces of all cells.
 
     Damped, the stress is that of the strains plus their rates times a time tau, in the present

@@ -6,47 +6,51 @@ make it twice as slow. Symbols, at a segment or a line of the cell: X = differen
 D = difference of directors, b = X . D, c = D . D.
 """
 
+import numpy as np
+
 from contact.kernel import kernel
+
+Vector = tuple[float, float, float]
 
 # not finite stays not finite: no assumption that NaN or infinity do not occur
 compiled = kernel(fastmath={"contract", "reassoc", "nsz", "arcp"})
 
 
 @compiled
-def dot(a, b):
+def dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @compiled
-def add(a, b):
+def add(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @compiled
-def sub(a, b):
+def sub(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @compiled
-def mix(s, a, t, b):
+def mix(s: float, a: Vector, t: float, b: Vector) -> Vector:
     """s a + t b."""
     return s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]
 
 
 @compiled
-def plus(a, s, b):
+def plus(a: Vector, s: float, b: Vector) -> Vector:
     """a + s b."""
     return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
 @compiled
-def row(a, i, k):
+def row(a: np.ndarray, i: int, k: int) -> Vector:
     """Numbers k, k + 1, k + 2 of row i."""
     return a[i, k], a[i, k + 1], a[i, k + 2]
 
 
 @compiled
-def add_to(r, i, k, a):
+def add_to(r: np.ndarray, i: int, k: int, a: Vector) -> None:
     """Add a to numbers k, k + 1, k + 2 of row i."""
     r[i, k] += a[0]
     r[i, k + 1] += a[1]
@@ -57,13 +61,13 @@ def add_to(r, i, k, a):
 
 
 @compiled
-def half_length_squared(X, b, c):
+def half_length_squared(X: Vector, b: float, c: float) -> float:
     """Of the arc: |X|^2/2 + b^2 (1 + 2/15 c)/24."""
     return 0.5 * dot(X, X) + b * b * (1.0 + 2.0 / 15.0 * c) / 24.0
 
 
 @compiled
-def length_rate(X, D, b, c, vX, vD):
+def length_rate(X: Vector, D: Vector, b: float, c: float, vX: Vector, vD: Vector) -> float:
     """Rate of `half_length_squared`, from those of X and D."""
     change = dot(vX, D) + dot(X, vD)
     bend = b * dot(D, vD) * (2.0 / 15.0)
@@ -71,13 +75,13 @@ def length_rate(X, D, b, c, vX, vD):
 
 
 @compiled
-def shear_rate(X, vX, middle, turn_i, turn_j):
+def shear_rate(X: Vector, vX: Vector, middle: Vector, turn_i: Vector, turn_j: Vector) -> float:
     """Rate of X . middle, middle the mean of two directors that turn."""
     return dot(vX, middle) + 0.5 * (dot(X, turn_i) + dot(X, turn_j))
 
 
 @compiled
-def corner(C, k, sign, e1, e2, diagonal):
+def corner(C: np.ndarray, k: int, sign: float, e1: float, e2: float, diagonal: float) -> Vector:
     """Pulls on the two sides and the diagonal of corner k; the engineering shear strain of a corner
     is that of its sides and the diagonal across it."""
     e3 = sign * (e1 + e2 - diagonal)
@@ -88,7 +92,9 @@ def corner(C, k, sign, e1, e2, diagonal):
 
 
 @compiled
-def corner_loss(C, k, sign, e1, e2, diagonal, y1, y2):
+def corner_loss(
+    C: np.ndarray, k: int, sign: float, e1: float, e2: float, diagonal: float, y1: float, y2: float
+) -> float:
     """Rates times what they do to membrane and shear stress."""
     e3 = sign * (e1 + e2 - diagonal)
     loss = C[k, 0] * e1 * e1 + C[k, 3] * e2 * e2 + C[k, 5] * e3 * e3
@@ -97,7 +103,7 @@ def corner_loss(C, k, sign, e1, e2, diagonal, y1, y2):
 
 
 @compiled
-def segment(pull, X, D, b, c):
+def segment(pull: float, X: Vector, D: Vector, b: float, c: float) -> tuple[Vector, Vector]:
     """Force and couple, work-conjugate to X and D, of a pull along the arc."""
     along = pull * b * (1.0 + 2.0 / 15.0 * c) / 12.0
     across = pull * b * b / 90.0
@@ -108,25 +114,27 @@ def segment(pull, X, D, b, c):
 
 
 @compiled
-def turning(b, c):
+def turning(b: float, c: float) -> float:
     """Curvature that the angle between two directors tells, of b = g . h and c = h . h."""
     return b * (1.0 + c / 12.0 + c * c / 90.0)
 
 
 @compiled
-def turning_rate(b, c, rate_b, rate_c):
+def turning_rate(b: float, c: float, rate_b: float, rate_c: float) -> float:
     return rate_b * (1.0 + c / 12.0 + c * c / 90.0) + b * (1.0 / 12.0 + c / 45.0) * rate_c
 
 
 @compiled
-def line_rate(g, h, b, c, vg, vh):
+def line_rate(g: Vector, h: Vector, b: float, c: float, vg: Vector, vh: Vector) -> Vector:
     """Rates of b, of c and of `turning` on a line."""
     vb, vc = dot(vg, h) + dot(g, vh), 2.0 * dot(h, vh)
     return vb, vc, turning_rate(b, c, vb, vc)
 
 
 @compiled
-def diagonals(g, h, b, c, G, H, B, C):
+def diagonals(
+    g: Vector, h: Vector, b: float, c: float, G: Vector, H: Vector, B: float, C: float
+) -> tuple[float, float, float, float]:
     """b and c along g + G and along g - G, for two crossing lines."""
     cross_b = dot(g, H) + dot(G, h)
     cross_c = 2.0 * dot(h, H)
@@ -134,7 +142,24 @@ def diagonals(g, h, b, c, G, H, B, C):
 
 
 @compiled
-def twist_rate(g, h, vg, vh, vb, vc, G, H, vG, vH, vB, vC, pb, mb, pc, mc):
+def twist_rate(
+    g: Vector,
+    h: Vector,
+    vg: Vector,
+    vh: Vector,
+    vb: float,
+    vc: float,
+    G: Vector,
+    H: Vector,
+    vG: Vector,
+    vH: Vector,
+    vB: float,
+    vC: float,
+    pb: float,
+    mb: float,
+    pc: float,
+    mc: float,
+) -> float:
     """Rate of the twist between two crossing lines; pb, mb, pc, mc: their `diagonals`."""
     rate_b = dot(vg, H) + dot(vG, h) + dot(g, vH) + dot(G, vh)
     rate_c = 2.0 * (dot(vh, H) + dot(h, vH))
@@ -144,7 +169,7 @@ def twist_rate(g, h, vg, vh, vb, vc, G, H, vG, vH, vB, vC, pb, mb, pc, mc):
 
 
 @compiled
-def moments(C, k, k1, k2, twist):
+def moments(C: np.ndarray, k: int, k1: float, k2: float, twist: float) -> Vector:
     """Moments conjugate to the two curvatures and the twist at Gauss point k."""
     return (
         C[k, 9] * k1 + C[k, 10] * k2 + C[k, 11] * twist,
@@ -154,14 +179,24 @@ def moments(C, k, k1, k2, twist):
 
 
 @compiled
-def point_loss(C, k, k1, k2, twist):
+def point_loss(C: np.ndarray, k: int, k1: float, k2: float, twist: float) -> float:
     """Rates times what they do to the moments."""
     m1, m2, m3 = moments(C, k, k1, k2, twist)
     return m1 * k1 + m2 * k2 + m3 * twist
 
 
 @compiled
-def twisted(moment, g, h, G, H, pb, mb, pc, mc):
+def twisted(
+    moment: float,
+    g: Vector,
+    h: Vector,
+    G: Vector,
+    H: Vector,
+    pb: float,
+    mb: float,
+    pc: float,
+    mc: float,
+) -> tuple[Vector, Vector, Vector, Vector]:
     """Forces conjugate to g, G and couples conjugate to h, H of a twisting moment."""
     moment = 0.25 * moment
     p = moment * (1.0 + pc / 12.0 + pc * pc / 90.0)
@@ -175,7 +210,9 @@ def twisted(moment, g, h, G, H, pb, mb, pc, mc):
 
 
 @compiled
-def bent(moment, g, h, b, c, force, couple):
+def bent(
+    moment: float, g: Vector, h: Vector, b: float, c: float, force: Vector, couple: Vector
+) -> tuple[Vector, Vector]:
     """Force and couple with those of a bending moment on a line added."""
     s = moment * (1.0 + c / 12.0 + c * c / 90.0)
     t = moment * b * (1.0 / 6.0 + c * (2.0 / 45.0))

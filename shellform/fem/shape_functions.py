@@ -5,12 +5,17 @@ For what is done once on the whole surface (nodal weights of a load, reading a v
 plain arrays serve; the weak form itself is UFL's.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meshes import Surface
 
 from .element import GAUSS2, GAUSS3
 
 
-def shape_functions(width, p, q):
+def shape_functions(width: int, p: float, q: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Shape functions and their two derivatives at (p, q) of a 3-, 4- or 9-node cell, cyclic."""
     if width == 3:
         return np.array([1 - p - q, p, q]), np.array([-1.0, 1, 0]), np.array([-1.0, 0, 1])
@@ -25,7 +30,7 @@ def shape_functions(width, p, q):
     return f(p)[i] * f(q)[j], df(p)[i] * f(q)[j], f(p)[i] * df(q)[j]
 
 
-def surface_rule(surface):
+def surface_rule(surface: Surface) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Quadrature over the reference surface, exact for the nodal weights of its element.
 
     Yields
@@ -46,7 +51,7 @@ def surface_rule(surface):
         yield shape, w * area, np.einsum("i,kij->kj", shape, corners)
 
 
-def locate(surface, point):
+def locate(surface: Surface, point: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Where a point lies on a surface.
 
     Parameters
@@ -72,7 +77,7 @@ def locate(surface, point):
     reach = np.linalg.norm(surface.points[surface.cells] - centre[:, None], axis=2).max(axis=1)
     distance = np.linalg.norm(centre - point, axis=1)
     candidates = np.flatnonzero(distance <= 1.001 * reach + 0.1 * surface.mean_cell_size)
-    best = (np.inf, None, None)
+    best: tuple = (np.inf, None, None)
     for cell in candidates[np.argsort(distance[candidates])]:
         nodes = surface.cells[cell]
         at = np.full(2, 1 / 3 if width == 3 else 0.5)

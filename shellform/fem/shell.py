@@ -1,15 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The director shell: field, strain energy and the forms derived from it, Eqs. 2, 3, 13, 14.
+"""The director shell: its state, and what its weak form gives at it, Eqs. 2, 3, 13, 14.
 
-UFL sees one nodal field w = (u, d). The strain energy per area is
-(eps A eps + 2 eps B kap + kap D kap + gam S gam)/2, the thickness being integrated exactly; with
-`thick` also the products of chi. The internal force is its derivative. The two rotations of a node
-enter later, algebraically (director.py, equilibrium.py).
-
-Tangent. The exact one fails for thin sheets: the stress of an iterate off the solution is mostly
-error. In the geometric part the stress linearised about the iterate before is used instead,
-C (e(w_) + De(w_)[dw_]) (mixed integration point, Magisano, Leonetti and Garcea, Int. J. Numer.
-Methods Engrg. 109, 2017). With w_ = w and dw_ = 0 the same form is the exact tangent.
+UFL sees one nodal field w = (u, d). The internal force is the derivative of the strain energy
+(weak_form.py), the thickness being integrated exactly; with `thick` also the products of chi. The
+two rotations of a node enter later, algebraically (director.py, equilibrium.py).
 """
 
 import warnings
@@ -17,25 +11,34 @@ import weakref
 from functools import cached_property
 
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import numpy as np
-
-import ufl
-from dolfinx import fem
-from dolfinx.fem import petsc as fem_petsc
-from ufl.algorithms import expand_derivatives
+from numpy.typing import ArrayLike
 
 from meshes import Surface
 from meshes.geometry import widest_corners
+from shellform.material.energy import StVenant, check_law
 from shellform.material.sheet import Sheet
 
-from .dolfinx_compat import compiled
-from .element import check_warp, energy_terms, measure, terms_of
+from .dolfinx_compat import (
+    Constant,
+    Function,
+    assemble_matrix,
+    assemble_scalar,
+    assemble_vector,
+    compiled,
+    create_matrix,
+)
+from .element import check_warp, energy_terms, terms_of
 from .loads import Loads
 from .partition import Partition
 from .shape_functions import locate
-from .strains import configuration
 from .supports import Supports
+from .weak_form import WeakForm
+
+# field w_ of an iterate and the change since, arrays with ghosts: the stress is linearised about it
+Linearised = tuple[np.ndarray, np.ndarray]
 
 
 class Shell:
@@ -50,6 +53,9 @@ class Shell:
         with membrane='chords'); 9-node quads are right there too.
     fabric : Fabric
     comm : MPI communicator
+    law : StVenant (default) or one derived from it, as NeoHookean
+        What the sheet stores in its strains, see material/energy.py. Any but the default makes the
+        explicit force of 4-node quads several times dearer.
     membrane : 'arcs' (default) or 'chords'
         Membrane strain of triangles and 4-node quads from arc lengths at the corners, or from the
         tangents at 2x2 Gauss points. Ignored by 9-node quads.
@@ -65,18 +71,28 @@ class Shell:
 
     Raises
     ------
-    ValueError for an unknown option or a missing warp direction
+    ValueError for an unknown option or a missing warp direction; FabricError for a law that does
+    not start with the fabric's stiffness
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> surface = meshes.rectangle(0.4, 0.1, (4, 1))
+    >>> shell = sf.Shell(surface, sf.Fabric.isotropic(1e6, 0.3, 1e-3, 400.0))
+    >>> shell.positions().shape
+    (10, 3)
     """
 
     def __init__(
         self,
-        surface,
-        fabric,
-        comm=MPI.COMM_WORLD,
+        surface: Surface,
+        fabric: Sheet,
+        comm: MPI.Comm = MPI.COMM_WORLD,
         *,
-        membrane="arcs",
-        curvature="turning",
-        thick=False,
+        law: StVenant | None = None,
+        membrane: str = "arcs",
+        curvature: str = "turning",
+        thick: bool = False,
     ):
         for name, value, choices in (
             ("membrane", membrane, ("arcs", "chords")),
@@ -95,30 +111,33 @@ class Shell:
         if surface.cells.shape[1] == 4 and not comm.rank:
             warn_of_corners(surface)
         self.surface, self.fabric = surface, fabric
-        self.options = {"membrane": membrane, "curvature": curvature, "thick": thick}
+        self.law = StVenant() if law is None else law
+        check_law(self.law, fabric)
+        self.options: dict = {"membrane": membrane, "curvature": curvature, "thick": thick}
         self.partition = partition = Partition(surface, comm)
         self.comm, self.mesh, self.space = comm, partition.mesh, partition.space
-        self.w, self.reference = fem.Function(self.space, name="w"), fem.Function(self.space)
+        self.w, self.reference = Function(self.space, name="w"), Function(self.space)
         self.supports = Supports(partition)
         self.loads = Loads(partition, fabric.areal_mass)
         self.rest()
-        self._compiled = {}
+        self._compiled: dict = {}
         self._owner: weakref.ref | None = None
 
-    def rest(self):
+    def rest(self) -> None:
         """Put the sheet back into its reference state."""
         self.reference.x.array.reshape(-1, 6)[:, 3:] = self.partition.directors
         self.w.x.array[:] = self.reference.x.array
 
     @cached_property
-    def before(self):
-        """Field w of the iterate before; made when a tangent or a form first needs it."""
-        return fem.Function(self.space)
+    def weak_form(self) -> WeakForm:
+        """Energy, virtual work and tangent in UFL; made when first needed."""
+        terms = energy_terms(self.mesh, self.surface, self.fabric, self.law, **self.options)
+        return WeakForm(self.mesh, terms, self.w, self.reference)
 
     @cached_property
-    def step(self):
-        """Change of w since `before`, or rates of w; made when first needed."""
-        return fem.Function(self.space)
+    def before(self) -> Function:
+        """Field w of the iterate before; made when a tangent or a form first needs it."""
+        return Function(self.space)
 
     def claim(self, owner: object) -> None:
         """Let the last solver that calls it have the configuration; others ask `is_claimed_by`."""
@@ -128,61 +147,52 @@ class Shell:
         """True for the last one that has called `claim`."""
         return self._owner is not None and self._owner() is owner
 
-    def take_directors(self):
+    @cached_property
+    def step(self) -> Function:
+        """Change of w since `before`, or rates of w; made when first needed."""
+        return Function(self.space)
+
+    def take_directors(self) -> None:
         """Take over the reference directors that supports have put into their planes."""
         rest, w = (f.x.array.reshape(-1, 6)[:, 3:] for f in (self.reference, self.w))
         moved = np.any(rest != self.partition.directors, axis=1) & np.all(w == rest, axis=1)
         w[moved] = self.partition.directors[moved]
         rest[:] = self.partition.directors
 
-    def forms(self):
+    def forms(self) -> list[tuple]:
         """Compiled (internal force, tangent) pairs, one per rule; compiled when first needed."""
         if "strain" not in self._compiled:
-            v, dw = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
-            pairs = []
-            for dx, terms in self.by_rule():
-                force = tangent = 0
-                for term in terms:
-                    strain = term.strain(self.configuration(self.w))
-                    virtual = expand_derivatives(ufl.derivative(strain, self.w, v))
-                    change = expand_derivatives(ufl.derivative(strain, self.w, dw))
-                    work = term.product(self._linearised(term.strain), virtual) * dx
-                    force += work
-                    tangent += term.product(change, virtual) * dx
-                    tangent += ufl.derivative(work, self.w, dw)
-                pairs.append((force, tangent))
-            self._compiled["strain"] = compiled(pairs)
+            form = self.weak_form
+            self._compiled["strain"] = compiled(form.newton(self.before, self.step))
         if self.loads.pressures and "pressure" not in self._compiled:
-            self._pressure = fem.Constant(self.mesh, 0.0)
-            force = self.pressure_force(self._pressure)
-            tangent = ufl.derivative(force, self.w, ufl.TrialFunction(self.space))
-            self._compiled["pressure"] = compiled([(force, tangent)])
+            self._pressure = Constant(self.mesh, 0.0)
+            self._compiled["pressure"] = compiled([self.weak_form.pressure(self._pressure)])
         pressure = self._compiled["pressure"] if self.loads.pressures else []
         return self._compiled["strain"] + pressure
 
-    def plan(self):
+    def plan(self) -> dict:
         """What is modelled: element, terms, where in the cell they are evaluated, and the loads."""
-        energy = energy_terms(self.mesh, self.surface, self.fabric, **self.options)
+        law = {} if type(self.law) is StVenant else {"law": repr(self.law)}
         return {
             "element": f"{self.surface.kind} of degree {self.surface.degree}",
             "terms": terms_of(self.fabric, thick=self.options["thick"]),
-            "evaluated": [f"{term.name} at {term.rule}" for term in energy],
+            "evaluated": [f"{term.name} at {term.rule}" for term in self.weak_form.terms],
             "loads": self.loads.kinds(),
-        }
+        } | law
 
-    def displacements(self):
+    def displacements(self) -> np.ndarray:
         """Displacements (n, 3) [m] in the surface's numbering; all ranks call it, all get them."""
         return self._gathered()[:, :3]
 
-    def positions(self):
+    def positions(self) -> np.ndarray:
         """Present positions (n, 3) [m] in the surface's numbering, on every rank."""
         return self.partition.surface.points + self.displacements()
 
-    def directors(self):
+    def directors(self) -> np.ndarray:
         """Present unit directors (n, 3) in the surface's numbering, on every rank."""
         return self._gathered()[:, 3:]
 
-    def displacement_at(self, point):
+    def displacement_at(self, point: ArrayLike) -> np.ndarray:
         """Displacement (3,) [m] of the point of the surface that was at `point` (3,) at rest.
 
         All ranks call it, all get the value.
@@ -194,21 +204,19 @@ class Shell:
         owned = self.w.x.array.reshape(-1, 6)[: self.partition.n_owned]
         return self.partition.gather(owned)
 
-    def energy(self):
+    def energy(self) -> dict[str, float]:
         """Strain energy [J] by kind of term; the same on every rank."""
         if "energy" not in self._compiled:
-            kinds = {}
-            for dx, terms in self.by_rule():
-                for term in terms:
-                    strain = self.strain(term.strain, self.w)
-                    kinds.setdefault(term.name, []).append(0.5 * term.product(strain, strain) * dx)
+            kinds = self.weak_form.energy()
             self._compiled["energy"] = dict(zip(kinds, compiled(list(kinds.values())), strict=True))
         return {
-            kind: self.comm.allreduce(sum(fem.assemble_scalar(form) for form in forms))
+            kind: self.comm.allreduce(sum(assemble_scalar(form) for form in forms))
             for kind, forms in self._compiled["energy"].items()
         }
 
-    def internal_force(self, out, pressure=0.0, stress_from=None):
+    def internal_force(
+        self, out: PETSc.Vec, pressure: float = 0.0, stress_from: Linearised | None = None
+    ) -> None:
         """Add the internal force less the pressure's into a Vec of the space, ghosts included.
 
         `stress_from` is (w_, dw_), arrays with ghosts: stress linearised about w_; None: exact.
@@ -216,19 +224,21 @@ class Shell:
         self._set_stress(stress_from)
         self._set_pressure(pressure)
         for force, _ in self.forms():
-            fem_petsc.assemble_vector(out, force)
+            assemble_vector(out, force)
 
-    def tangent(self, out, pressure=0.0, stress_from=None):
+    def tangent(
+        self, out: PETSc.Mat, pressure: float = 0.0, stress_from: Linearised | None = None
+    ) -> None:
         """Assemble the derivative of `internal_force` into a matrix of `create_tangent`."""
         self._set_stress(stress_from)
         self._set_pressure(pressure)
         out.zeroEntries()
         for _, tangent in self.forms():
-            fem_petsc.assemble_matrix(out, tangent)
+            assemble_matrix(out, tangent)
 
-    def create_tangent(self):
+    def create_tangent(self) -> PETSc.Mat:
         """Matrix (6 n, 6 n) with the pattern of `tangent`."""
-        return fem_petsc.create_matrix(self.forms()[0][1])
+        return create_matrix(self.forms()[0][1])
 
     def _set_stress(self, stress_from):
         before, step = (self.w.x.array, 0.0) if stress_from is None else stress_from
@@ -240,40 +250,8 @@ class Shell:
             self.forms()
             self._pressure.value = pressure
 
-    def pressure_force(self, pressure):
-        """UFL form of minus the force of a pressure that stays normal to the moving surface."""
-        v = ufl.TestFunction(self.space)
-        now = self.configuration(self.w)
-        rest = self.configuration(self.reference)
-        area = ufl.cross(*rest.g)
-        # per reference area: the surface element of the moving surface over that at rest
-        normal = ufl.cross(*now.g) / ufl.sqrt(ufl.dot(area, area))
-        rule = {3: "vertices", 4: "gauss2", 9: "gauss3"}[self.surface.cells.shape[1]]
-        virtual = ufl.as_vector([v[i] for i in range(3)])
-        return -pressure * ufl.dot(normal, virtual) * measure(self.mesh, rule)
 
-    def by_rule(self):
-        """Energy terms grouped by rule: list of (UFL measure, Terms)."""
-        groups = {}
-        for term in energy_terms(self.mesh, self.surface, self.fabric, **self.options):
-            groups.setdefault(term.rule, []).append(term)
-        return [(measure(self.mesh, rule), terms) for rule, terms in groups.items()]
-
-    def configuration(self, w):
-        """Tangents and directors of a nodal field, see strains.Configuration."""
-        return configuration(self.mesh, w)
-
-    def strain(self, strain, w):
-        """A strain measure of a nodal field, less that of the reference state."""
-        return strain(self.configuration(w)) - strain(self.configuration(self.reference))
-
-    def _linearised(self, strain):
-        at = strain(self.configuration(self.before))
-        change = expand_derivatives(ufl.derivative(at, self.before, self.step))
-        return self.strain(strain, self.before) + change
-
-
-def warn_of_corners(surface):
+def warn_of_corners(surface: Surface) -> None:
     """Warn of four-node quads that lean too much to bend as they should.
 
     Rolled up into a circle, strips of quads with corners of 120, 150 and 170 degrees have their tip

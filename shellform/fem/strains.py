@@ -16,11 +16,16 @@ What keeps the elements from locking is what is measured, and where (element.py)
   (1 + dd . dd/12) restores it.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 import ufl
+
+from .arc import half_length_squared, turning
+from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_name
 
 # s1, s2: from a corner to the midpoint of the edge along axis 1, 2, corners in tensor order
 QUAD_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]])
@@ -33,12 +38,15 @@ TRIANGLE_CORNERS = np.array([[0.5, 0.5], [-0.5, 0.0], [0.0, -0.5]])
 class Configuration:
     """Tangents g = (x,1, x,2), director d and its derivatives dd = (d,1, d,2), in element axes."""
 
-    g: tuple
-    d: object
-    dd: tuple
+    g: tuple[Expr, Expr]
+    d: Expr
+    dd: tuple[Expr, Expr]
 
 
-def configuration(mesh, w):
+Measure = Callable[[Configuration], Expr]  # a strain as a function of the configuration
+
+
+def configuration(mesh: Mesh, w: Function) -> Configuration:
     """Configuration of the field w = (u, d) on a mesh embedded in 3-D, Eq. 5."""
     jacobian = ufl.Jacobian(mesh)
     slope = ufl.dot(ufl.grad(w), jacobian)
@@ -49,7 +57,7 @@ def configuration(mesh, w):
     return Configuration(tuple(tangents), ufl.as_vector([w[i] for i in range(3, 6)]), tuple(turns))
 
 
-def lamina(mesh, warp):
+def lamina(mesh: Mesh, warp: Expr | None) -> Expr:
     """M[i, a] = l_i . G^a: covariant components to the warp and weft axes of the sheet (Eq. 12).
 
     `warp` is a UFL 3-vector, projected on the surface; None takes the first element axis, for
@@ -70,19 +78,18 @@ def lamina(mesh, warp):
     return ufl.as_matrix([[c1 / (area * length), c2 / (area * length)], [-q / length, p / length]])
 
 
-def voigt(M):
+def voigt(M: Expr) -> Expr:
     """Matrix V with V (e11, e22, e12) = (E11, E22, 2 E12) in lamina axes."""
-    return ufl.as_matrix(
-        [
-            [M[0, 0] ** 2, M[0, 1] ** 2, 2 * M[0, 0] * M[0, 1]],
-            [M[1, 0] ** 2, M[1, 1] ** 2, 2 * M[1, 0] * M[1, 1]],
-            [
-                2 * M[0, 0] * M[1, 0],
-                2 * M[0, 1] * M[1, 1],
-                2 * (M[0, 0] * M[1, 1] + M[0, 1] * M[1, 0]),
-            ],
-        ]
-    )
+    return ufl.as_matrix(voigt_rows(M[0, 0], M[0, 1], M[1, 0], M[1, 1]))
+
+
+def voigt_rows(a: Any, b: Any, c: Any, d: Any) -> list[list]:
+    """Rows of `voigt` for M = [[a, b], [c, d]]: numbers, arrays or UFL expressions."""
+    return [
+        [a**2, b**2, 2 * a * b],
+        [c**2, d**2, 2 * c * d],
+        [2 * a * c, 2 * b * d, 2 * (a * d + b * c)],
+    ]
 
 
 def _from_segments(measure, c, sign):
@@ -93,22 +100,22 @@ def _from_segments(measure, c, sign):
     return ufl.as_vector([first, second, sign * 0.5 * (first + second - diagonal)])
 
 
-def membrane_arcs(sign):
+def membrane_arcs(sign: Expr | int) -> Measure:
     """Membrane strain from arc lengths; `sign` picks the diagonal seen from the point."""
 
-    def half_length_squared(p, q):
-        return 0.5 * ufl.dot(p, p) + ufl.dot(p, q) ** 2 * (1 + 2 * ufl.dot(q, q) / 15) / 24
+    def measure(p, q):
+        return half_length_squared(ufl.dot(p, p), ufl.dot(p, q), ufl.dot(q, q))
 
-    return lambda c: _from_segments(half_length_squared, c, sign)
+    return lambda c: _from_segments(measure, c, sign)
 
 
-def membrane_chords(c):
+def membrane_chords(c: Configuration) -> Expr:
     """Membrane strain eps_ab = x,a . x,b / 2."""
     g1, g2 = c.g
     return 0.5 * ufl.as_vector([ufl.dot(g1, g1), ufl.dot(g2, g2), ufl.dot(g1, g2)])
 
 
-def curvature(c):
+def curvature(c: Configuration) -> Expr:
     """Curvature kap_ab = (x,a . d,b + x,b . d,a) / 2."""
     (g1, g2), (d1, d2) = c.g, c.dd
     return ufl.as_vector(
@@ -117,39 +124,38 @@ def curvature(c):
 
 
 def _turning(p, q):
-    square = ufl.dot(q, q)
-    return ufl.dot(p, q) * (1 + square / 12 + square**2 / 90)
+    return turning(ufl.dot(p, q), ufl.dot(q, q))
 
 
-def curvature_turning(c):
+def curvature_turning(c: Configuration) -> Expr:
     """Curvature from turning angles along both axes and both diagonals."""
     (g1, g2), (d1, d2) = c.g, c.dd
     twist = (_turning(g1 + g2, d1 + d2) - _turning(g1 - g2, d1 - d2)) / 4
     return ufl.as_vector([_turning(g1, d1), _turning(g2, d2), twist])
 
 
-def curvature_turning_sides(c):
+def curvature_turning_sides(c: Configuration) -> Expr:
     """Curvature from turning angles along the three sides of a triangle."""
     return _from_segments(_turning, c, 1)
 
 
-def director_strain(c):
+def director_strain(c: Configuration) -> Expr:
     """chi_ab = d,a . d,b / 2, the part of the strain quadratic in z."""
     d1, d2 = c.dd
     return 0.5 * ufl.as_vector([ufl.dot(d1, d1), ufl.dot(d2, d2), ufl.dot(d1, d2)])
 
 
-def shear(c):
+def shear(c: Configuration) -> Expr:
     """Transverse shear gam_a = x,a . d."""
     return ufl.as_vector([ufl.dot(g, c.d) for g in c.g])
 
 
-def shear_quad_corner(s):
+def shear_quad_corner(s: Expr) -> Measure:
     """MITC4 shear at a corner from its two edges' midpoints (s: QUAD_CORNERS)."""
     return lambda c: ufl.as_vector([ufl.dot(c.g[a], c.d + s[a] * c.dd[a]) for a in range(2)])
 
 
-def shear_triangle_corner(s):
+def shear_triangle_corner(s: Expr) -> Measure:
     """MITC3 shear at a corner from its two edges' midpoints (s: TRIANGLE_CORNERS)."""
 
     def strain(c):
@@ -170,7 +176,7 @@ def shear_triangle_corner(s):
     return strain
 
 
-def shear_cap(mesh, shear_over_bending):
+def shear_cap(mesh: Mesh, shear_over_bending: Constant | float) -> Expr:
     """Factor below one on a shear stiffness in cells larger than the sheet is thick.
 
     Three edge shears hold a thin triangle too tightly on irregular meshes, and so does the mixed
@@ -185,6 +191,6 @@ def shear_cap(mesh, shear_over_bending):
     jacobian = ufl.Jacobian(mesh)
     G1, G2 = (ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2))
     longest = ufl.max_value(ufl.dot(G1, G1), ufl.dot(G2, G2))
-    if mesh.ufl_cell().cellname() == "triangle":
+    if cell_name(mesh) == "triangle":
         longest = ufl.max_value(longest, ufl.dot(G1 - G2, G1 - G2))
     return 1 / (1 + longest * shear_over_bending / 40)

@@ -5,9 +5,17 @@ An edge of a shell holds its displacement (any of three directions), its directo
 plane), or both. Conditions add up: two symmetry planes that meet at a node hold its director.
 """
 
+from collections.abc import Callable, Iterator
+
 from mpi4py import MPI
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from .partition import Partition, Place
+
+# (3,) or (k, 3), or a function of the load level or time that gives it
+Goal = ArrayLike | Callable[[float], ArrayLike]
 
 AXES = {"x": 0, "y": 1, "z": 2}
 
@@ -24,7 +32,7 @@ class Supports:
     frozen : bool, set once a solver has taken the supports over: then none can be added
     """
 
-    def __init__(self, partition):
+    def __init__(self, partition: Partition):
         self.partition = partition
         n = partition.n_local
         self.Q = np.tile(np.eye(3), (n, 1, 1))
@@ -32,19 +40,21 @@ class Supports:
         self.inclined = np.zeros(n, bool)
         self.plane = np.full((n, 3), np.nan)
         self.frozen = False
-        self.motions = []  # (local nodes, components, displacement(level), director(level))
+        self.motions: list[
+            tuple
+        ] = []  # (local nodes, components, displacement(level), director(level))
 
-    def clamp(self, where):
+    def clamp(self, where: Place) -> None:
         """Hold displacement and director."""
         self.hold(where)
         self.hold_director(where)
 
-    def symmetry(self, where, normal):
+    def symmetry(self, where: Place, normal: ArrayLike) -> None:
         """Edge on a plane of symmetry: neither nodes nor directors leave it."""
         self.hold_normal(where, normal)
         self.hold_director(where, plane=normal)
 
-    def hold(self, where, components="xyz"):
+    def hold(self, where: Place, components: str = "xyz") -> None:
         """Hold displacement components, 'x', 'yz', ... of the nodes at a place."""
         if not isinstance(components, str):
             raise ValueError(f"displacement components are a string as 'xz', not {components!r}")
@@ -58,13 +68,13 @@ class Supports:
             for node in inclined:
                 self._hold_direction(node, np.eye(3)[AXES[c]])
 
-    def hold_normal(self, where, normal):
+    def hold_normal(self, where: Place, normal: ArrayLike) -> None:
         """Hold the displacement along one direction (3,) of any inclination."""
         normal = unit(normal)
         for node in self._local(where):
             self._hold_direction(node, normal)
 
-    def hold_director(self, where, plane=None):
+    def hold_director(self, where: Place, plane: ArrayLike | None = None) -> None:
         """Hold the director, or with `plane` (3,) a normal: let it turn in that plane only."""
         local = self._local(where)
         if plane is None:
@@ -74,7 +84,7 @@ class Supports:
         partition = self.partition
         # on the whole surface, so that every rank raises or none does
         nodes = partition.find(where)
-        lean = np.abs(partition.surface.directors[nodes] @ plane)
+        lean = np.abs(np.asarray(partition.surface.directors)[nodes] @ plane)
         if lean.max() > 0.3:
             worst = int(lean.argmax())
             raise ValueError(
@@ -94,7 +104,9 @@ class Supports:
             d = d - off * plane
             partition.directors[node] = d / np.linalg.norm(d)
 
-    def move(self, where, displacement=None, director=None):
+    def move(
+        self, where: Place, displacement: Goal | None = None, director: Goal | None = None
+    ) -> None:
         """Prescribe displacement and director of held nodes as functions of the load level.
 
         Parameters
@@ -132,7 +144,7 @@ class Supports:
             self.held[local, 3:] = True
         self.motions.append((local, rows, displacement, director))
 
-    def prescribed(self, level):
+    def prescribed(self, level: float) -> Iterator[tuple]:
         """Yield (local nodes, displacements or None, directors or None) at a load level.
 
         ValueError, on all ranks, where a function gives what is no finite number.
@@ -142,7 +154,7 @@ class Supports:
             d = None if director is None else _rows(director, level, rows)
             yield local, u, d
 
-    def steady_goals(self):
+    def steady_goals(self) -> bool:
         """True if some displacement is given as an array, which says nothing about time."""
         return any(isinstance(motion[2], _Proportional) for motion in self.motions)
 
@@ -188,7 +200,7 @@ class _Proportional:
         return level * self.goal
 
 
-def unit(vector):
+def unit(vector: ArrayLike) -> np.ndarray:
     """Unit vector (3,) along `vector`; ValueError unless it has three finite numbers, not all 0."""
     vector = np.asarray(vector, float)
     if vector.shape != (3,) or not np.all(np.isfinite(vector)) or not vector.any():

@@ -16,6 +16,7 @@ from __future__ import annotations
 import difflib
 import inspect
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 from .fabric import Fabric, FabricError, Ply
@@ -44,7 +45,7 @@ _MAKERS = {
 }
 
 
-def card_keys(maker) -> dict[str, inspect.Parameter]:
+def card_keys(maker: Callable) -> dict[str, inspect.Parameter]:
     """The keys of a maker's table: its arguments with their units, `thickness` as `thickness_m`."""
     keys = {}
     for name, parameter in inspect.signature(maker).parameters.items():
@@ -102,7 +103,16 @@ def fabric_from_card(card: dict, where: str = "fabric card") -> Fabric:
 
 
 def read_fabric(path: str | Path) -> Fabric:
-    """Fabric from a card file.  Raises FabricError naming the file, FileNotFoundError without."""
+    """Fabric from a card file.  Raises FabricError naming the file, FileNotFoundError without.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> from shellform.material.card import CARDS
+    >>> fabric = sf.read_fabric(CARDS / "stiff.toml")
+    >>> fabric.thickness > 0
+    True
+    """
     with open(path, "rb") as file:
         try:
             card = tomllib.load(file)
@@ -114,7 +124,9 @@ def read_fabric(path: str | Path) -> Fabric:
 CARDS = Path(__file__).parents[1] / "material/fabrics"
 
 
-def fabric_of(given, folder=Path(), where="scene"):
+def fabric_of(
+    given: Fabric | dict | str | Path, folder: Path = Path(), where: str = "scene"
+) -> Fabric:
     """Fabric from a Fabric, the name of a shipped card, a path, or the table of a card."""
     if isinstance(given, Fabric):
         return given

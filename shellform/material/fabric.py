@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .laminate import (
     SHEAR_CORRECTION,
@@ -30,7 +31,17 @@ __all__ = ["Fabric", "FabricError", "Ply", "UnitWarning", "condense", "lamina_ma
 
 
 class Fabric(Sheet):
-    """A sheet material; see Sheet for its fields.  Checked when made, then read-only."""
+    """A sheet material; see Sheet for its fields.  Checked when made, then read-only.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> fabric = sf.Fabric.isotropic(
+    ...     youngs_modulus=1e7, poisson_ratio=0.3, thickness=5e-4, density=400.0
+    ... )
+    >>> print(f"{fabric.areal_mass:.2f} kg/m2")
+    0.20 kg/m2
+    """
 
     @classmethod
     def isotropic(
@@ -72,7 +83,7 @@ class Fabric(Sheet):
         thickness: float,
         density: float,
         shear_correction: float = SHEAR_CORRECTION,
-        bending_stiffness=None,
+        bending_stiffness: ArrayLike | None = None,
         name: str = "orthotropic sheet",
     ) -> Fabric:
         """Homogeneous sheet with warp along 1: moduli [Pa], thickness [m], density [kg/m^3].
@@ -83,19 +94,24 @@ class Fabric(Sheet):
         """
         positive("Pa", G13=G13, G23=G23)
         return cls.homogeneous(
-            *(lamina_matrix(E1, E2, nu12, G12), np.diag([G13, G23])),
-            *(thickness, density, shear_correction, bending_stiffness, name),
+            lamina_matrix(E1, E2, nu12, G12),
+            np.diag([G13, G23]),
+            thickness,
+            density,
+            shear_correction,
+            bending_stiffness,
+            name,
         )
 
     @classmethod
     def homogeneous(
         cls,
-        Q,
-        G,
+        Q: ArrayLike,
+        G: ArrayLike,
         thickness: float,
         density: float,
         shear_correction: float = SHEAR_CORRECTION,
-        bending_stiffness=None,
+        bending_stiffness: ArrayLike | None = None,
         name: str = "sheet",
     ) -> Fabric:
         """One material through the thickness [m]; density [kg/m^3].
@@ -123,14 +139,14 @@ class Fabric(Sheet):
     @classmethod
     def from_stiffness(
         cls,
-        membrane,
-        bending,
+        membrane: ArrayLike,
+        bending: ArrayLike,
         areal_mass: float,
         thickness: float,
-        shear=None,
-        coupling=None,
-        third_moment=None,
-        fourth_moment=None,
+        shear: ArrayLike | None = None,
+        coupling: ArrayLike | None = None,
+        third_moment: ArrayLike | None = None,
+        fourth_moment: ArrayLike | None = None,
         name: str = "fabric",
     ) -> Fabric:
         """Sheet with every stiffness on its own, as measured; units and shapes as in Fabric.
@@ -147,10 +163,10 @@ class Fabric(Sheet):
             positive("m", thickness=thickness)
             floor = 5.0 * D.diagonal()[:2] / thickness**2
             shear = np.diag(np.maximum(SHEAR_CORRECTION * A[2, 2], floor))
-        return cls(
-            *(membrane, bending, shear, areal_mass, thickness),
-            *(coupling, third_moment, fourth_moment, name),
-        )
+        matrices: dict = {"membrane": membrane, "bending": bending, "shear": shear}
+        matrices |= {"coupling": coupling, "third_moment": third_moment}
+        matrices |= {"fourth_moment": fourth_moment}
+        return cls(**matrices, areal_mass=areal_mass, thickness=thickness, name=name)
 
     @classmethod
     def from_kes(
@@ -187,9 +203,10 @@ class Fabric(Sheet):
         positive("N/m", tensile_warp_N_per_m=tensile_warp_N_per_m)
         positive("N/m", tensile_weft_N_per_m=tensile_weft_N_per_m)
         shear = shear_N_per_m_per_radian
-        if shear is None:
+        if shear_N_per_m_per_degree is not None:
             positive("N/m per degree", shear_N_per_m_per_degree=shear_N_per_m_per_degree)
             shear = np.degrees(shear_N_per_m_per_degree)  # per degree to per radian
+        assert shear is not None
         A = lamina_matrix(
             tensile_warp_N_per_m, tensile_weft_N_per_m, poisson_ratio, shear, unit="N/m"
         )

@@ -14,13 +14,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 SHEAR_CORRECTION = 5.0 / 6.0  # parabolic shear stress over a rectangular section
 RANGE = (1e-40, 1e40)  # cubes of a thickness and products of stiffnesses stay numbers
 
 
 class FabricError(ValueError):
-    """A material that no sheet can have, or a card that cannot be read."""
+    """A material that no sheet can have, or a card that cannot be read.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> try:
+    ...     sf.Fabric.isotropic(1e6, 0.7, 1e-3, 400.0)
+    ... except sf.FabricError as error:
+    ...     print(error)
+    poisson_ratio = 0.7 is outside -1 < nu <= 0.5 of a solid material.
+    """
 
 
 def positive(unit: str, **values: float) -> None:
@@ -43,7 +54,7 @@ def positive(unit: str, **values: float) -> None:
             )
 
 
-def symmetric(name: str, value, size: int, unit: str) -> np.ndarray:
+def symmetric(name: str, value: ArrayLike, size: int, unit: str) -> np.ndarray:
     """Read-only copy of a finite symmetric matrix (size, size); FabricError when it is not one."""
     try:
         matrix = np.array(value, dtype=float)
@@ -160,7 +171,7 @@ def turn(stiffness: np.ndarray, degrees: float) -> np.ndarray:
     return T.T @ stiffness @ T
 
 
-def bending_matrix(stiffness, poisson_ratio: float = 0.0) -> np.ndarray:
+def bending_matrix(stiffness: ArrayLike, poisson_ratio: float = 0.0) -> np.ndarray:
     """Bending stiffness matrix from the few values that are measured.
 
     Parameters
@@ -190,7 +201,16 @@ def bending_matrix(stiffness, poisson_ratio: float = 0.0) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Ply:
-    """Material of one ply: moduli [Pa] in its own axes (1 along its fibres), density [kg/m^3]."""
+    """Material of one ply: moduli [Pa] in its own axes (1 along its fibres), density [kg/m^3].
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> ply = sf.Ply(E1=3e8, E2=1e7, nu12=0.3, G12=8e6, G13=6e6, G23=5e6, density=300.0)
+    >>> fabric = sf.Fabric.laminate([(ply, 2e-4, 0.0), (ply, 2e-4, 90.0)])
+    >>> print(f"{1e3 * fabric.thickness:.1f} mm")
+    0.4 mm
+    """
 
     E1: float
     E2: float

@@ -60,9 +60,10 @@ class Sheet:
     shear: np.ndarray
     areal_mass: float
     thickness: float
-    coupling: np.ndarray | None = None
-    third_moment: np.ndarray | None = None
-    fourth_moment: np.ndarray | None = None
+    # arrays once made, whatever was given
+    coupling: np.ndarray = None  # type: ignore[assignment]
+    third_moment: np.ndarray = None  # type: ignore[assignment]
+    fourth_moment: np.ndarray = None  # type: ignore[assignment]
     name: str = "fabric"
 
     def __post_init__(self):
@@ -87,7 +88,9 @@ class Sheet:
 
     def _fourth_moment(self) -> np.ndarray:
         A, B, D = self.membrane, self.coupling, self.bending
-        rest = A - B @ np.linalg.solve(D, B)  # what stretching alone costs when free to bend
+        rest: np.ndarray = A - B @ np.linalg.solve(
+            D, B
+        )  # what stretching alone costs when free to bend
         check_definite("A - B D^-1 B", rest, "N/m", " The coupling is too large for A and D.")
         F = 1.8 * D @ np.linalg.solve(rest, D)
         return 0.5 * (F + F.T)
@@ -133,7 +136,8 @@ class Sheet:
         """The same sheet written in axes turned by an angle about the director."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnitWarning)  # said once, when first made
-            return replace(self, **{n: turn(m, -degrees) for n, m in self._matrices().items()})
+            turned: dict = {n: turn(m, -degrees) for n, m in self._matrices().items()}
+            return replace(self, **turned)
 
     def bending_length(self, g: float = 9.81, degrees: float = 0.0) -> float:
         """(D / (areal mass g))^(1/3) [m], the size of folds, at an angle from the warp."""

@@ -98,13 +98,12 @@ def versions() -> dict[str, str]:
     """Versions of what the numbers depend on."""
     from petsc4py import PETSc
 
-    import dolfinx
-
     from shellform import __version__
+    from shellform.fem.dolfinx_compat import VERSION
 
     return {
         "shellform": __version__,
-        "dolfinx": dolfinx.__version__,
+        "dolfinx": VERSION,
         "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
         "numpy": np.__version__,
         "python": platform.python_version(),

@@ -12,17 +12,20 @@ the directors, so the residual does not jump when the base does. The matrix P of
 
 import functools
 import time
+from typing import Any
 
 from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
 
-from dolfinx.la import create_petsc_vector
-
 from shellform.fem import director
+from shellform.fem.dolfinx_compat import petsc_vector
+from shellform.fem.shell import Linearised, Shell
 
 from .tangent_map import TangentMap
+
+State = tuple[np.ndarray, np.ndarray]  # of nodes: (u, d) (n, 6) and the frames (n, 3, 2)
 
 
 def _timed(assemble):
@@ -56,33 +59,34 @@ class Equilibrium:
     assembly_seconds : float, spent in residuals and tangents
     """
 
-    def __init__(self, shell, mip=True):
+    def __init__(self, shell: Shell, mip: bool = True):
         self.shell, self.mip, self.level = shell, mip, 0.0
         self.assembly_seconds = 0.0
-        self.load_factor, self.inertia = None, None
+        self.load_factor: float | None = None
+        self.inertia: tuple[np.ndarray, np.ndarray] | None = None
         partition, supports = shell.partition, shell.supports
         supports.freeze()
         shell.claim(self)
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
         self.length = partition.length
-        index_map = shell.space.dofmap.index_map
-        self.x = create_petsc_vector(index_map, 5)
+        self.x = petsc_vector(shell.space, 5)
         self.F, self._direct = self.x.duplicate(), self.x.duplicate()
-        self.r6 = create_petsc_vector(index_map, 6)
+        self.r6 = petsc_vector(shell.space, 6)
         self._lift6, self._product6 = self.r6.duplicate(), self.r6.duplicate()
         self.held = supports.held
-        self.Q = supports.Q if supports.inclined.any() else None
-        self._Q_owned = None if self.Q is None else self.Q[: self.n_owned]
+        # axes of the nodes (n, 3, 3), None: those of the world
+        self.Q: Any = supports.Q if supports.inclined.any() else None
+        self._Q_owned: Any = None if self.Q is None else self.Q[: self.n_owned]
         self.T = director.tangent_frames(self._w()[:, 3:], supports.plane)
         self.K6 = shell.create_tangent()
         self.P = TangentMap(shell, self.length)
-        self.K = None
+        self.K: PETSc.Mat = None  # made with the first tangent
         self.goal = np.zeros((self.n, 5))
         self.has_goal = bool(supports.motions) and bool(shell.comm.allreduce(len(supports.motions)))
         self.set_base()
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free PETSc's objects (petsc4py collects them late)."""
         for item in (self.x, self.F, self._direct, self.r6, self._lift6, self._product6):
             item.destroy()
@@ -95,33 +99,33 @@ class Equilibrium:
     def _w(self):
         return self.shell.w.x.array.reshape(-1, 6)
 
-    def state(self):
+    def state(self) -> State:
         """Copy of the configuration: (u, d) and the frames, to come back to."""
         return self._w().copy(), self.T.copy()
 
-    def restore(self, state):
+    def restore(self, state: State) -> None:
         """Return to a configuration of `state()`."""
         self._w()[:], self.T[:] = state
         self.set_base()
 
-    def stale(self):
+    def stale(self) -> bool:
         """True once another equilibrium of the same shell has been made."""
         return not self.shell.is_claimed_by(self)
 
-    def largest_change(self, state):
+    def largest_change(self, state: State) -> float:
         """Largest displacement [m] of a node since a `state()`."""
         change = np.linalg.norm(self._w()[:, :3] - state[0][:, :3], axis=1).max(initial=0.0)
         return self.shell.comm.allreduce(float(change), op=MPI.MAX)
 
-    def adopt(self):
+    def adopt(self) -> None:
         """Take the shell's field, set from outside, as the present configuration."""
         self.T = director.tangent_frames(self._w()[:, 3:], self.shell.supports.plane)
         self.set_base()
 
-    def set_base(self):
+    def set_base(self) -> None:
         """Make the present configuration the base, with no change before it."""
         self.w_base, self.T_base = self.state()
-        self.stress_from = None
+        self.stress_from: Linearised | None = None
         self._write_x(self.x)
 
     def _write_x(self, x):
@@ -129,7 +133,7 @@ class Equilibrium:
         local[:, :3] = director.along_axes(self._Q_owned, self.w_base[: self.n_owned, :3])
         x.setArray(local.ravel())
 
-    def configure(self, x):
+    def configure(self, x: PETSc.Vec) -> None:
         """Set w and the frames from the unknowns, ghosts included."""
         x.ghostUpdate(addv=PETSc.InsertMode.INSERT, mode=PETSc.ScatterMode.FORWARD)
         with x.localForm() as local:
@@ -140,7 +144,7 @@ class Equilibrium:
             theta = values[:, 3:] / self.length
         w[:, 3:], self.T[:] = director.exponential_map(self.w_base[:, 3:], self.T_base, theta)
 
-    def advance(self, x):
+    def advance(self, x: PETSc.Vec) -> None:
         """Move the base to x, remembering the change for the linearised stress; resets x."""
         self.configure(x)
         with x.localForm() as local:
@@ -160,7 +164,7 @@ class Equilibrium:
 
     # -- equations --------------------------------------------------------------------------------
 
-    def start(self, level):
+    def start(self, level: float) -> None:
         """Prepare a solve at a load level from the present configuration."""
         self.level = level
         self.set_base()
@@ -168,7 +172,7 @@ class Equilibrium:
             self._set_goal()
 
     @_timed
-    def residual(self, x, F):
+    def residual(self, x: PETSc.Vec, F: PETSc.Vec) -> None:
         """F(x) [N], zero on held unknowns that have reached their prescribed value."""
         self.configure(x)
         r5 = self._pull_back(self.forces(None))
@@ -180,7 +184,7 @@ class Equilibrium:
         F.setArray(r5.ravel())
 
     @_timed
-    def tangent(self, x):
+    def tangent(self, x: PETSc.Vec) -> PETSc.Mat:
         """K at x, symmetric unless a moment or pressure makes it otherwise."""
         self.configure(x)
         shell = self.shell
@@ -205,16 +209,16 @@ class Equilibrium:
         return self.K
 
     @property
-    def pressure(self):
+    def pressure(self) -> float:
         """Pressure [Pa] at the present level."""
         return self.shell.loads.pressure_at(self.level, self.load_factor)
 
     @property
-    def stiffness(self):
+    def stiffness(self) -> float:
         """Scale of the sheet's stiffness [N/m]."""
         return float(np.abs(self.shell.fabric.membrane).max())
 
-    def force_scale(self):
+    def force_scale(self) -> float:
         """Norm of the loads [N], what a residual is small against; of the reactions without loads.
 
         Reactions of an iterate off the solution can exceed the loads by many orders.
@@ -222,7 +226,7 @@ class Equilibrium:
         loads, reactions = self.pushes()
         return loads or reactions
 
-    def pushes(self):
+    def pushes(self) -> tuple[float, float]:
         """Norms [N] of the loads, inertia among them, and of the reactions."""
         external = np.zeros((self.n_owned, 5))
         self.shell.loads.force_at(self.level, external[:, :3], self.load_factor)
@@ -237,7 +241,7 @@ class Equilibrium:
         loads, reactions = np.sqrt(self.shell.comm.allreduce(parts)).tolist()
         return loads, reactions
 
-    def roundoff(self):
+    def roundoff(self) -> float:
         """Norm of the residual [N] that roundoff of the membrane strain alone can make.
 
         Strains are differences of numbers of order one, and of displacements over the shorter
@@ -251,7 +255,7 @@ class Equilibrium:
         points = self.shell.partition.surface.points
         return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(points))
 
-    def measured_roundoff(self):
+    def measured_roundoff(self) -> float:
         """Norm of the internal forces [N] that roundoff makes here, measured; 4 assemblies.
 
         A sheet turned as a whole has turned forces. What differs is roundoff, of these cells and
@@ -286,7 +290,7 @@ class Equilibrium:
         slender = np.maximum(1.0, sides**2 / surface.cell_areas)
         return max(float(sides.mean()), surface.mean_cell_size), float(slender.mean())
 
-    def forces(self, stress_from=None):
+    def forces(self, stress_from: Linearised | None = None) -> np.ndarray:
         """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""
         r6 = self._internal(stress_from)
         external = self.shell.loads.force_at(

@@ -7,13 +7,16 @@ A step that does not converge is cut back and retried; later steps grow again.
 
 import operator
 import warnings
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from shellform.errors import NotConverged
+from shellform.fem.shell import Shell
 
 from .equilibrium import Equilibrium
-from .newton import Newton
+from .newton import Newton, Step
 from .rigid_modes import describe, free_motions
 
 NEAR = 100.0  # times roundoff: loads below it may be lost in it
@@ -35,20 +38,33 @@ class Statics:
     Raises
     ------
     ValueError if the supports leave a rigid motion free
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> surface = meshes.rectangle(0.1, 0.02, (4, 1))
+    >>> shell = sf.Shell(surface, sf.Fabric.isotropic(1e6, 0.3, 1e-3, 400.0))
+    >>> shell.supports.clamp("left")
+    >>> shell.loads.line("right", (0.0, 0.0, 1e-3))
+    >>> with sf.Statics(shell) as statics:
+    ...     steps = statics.solve(2)
+    >>> print(steps[-1].level)
+    1.0
     """
 
-    def __init__(self, shell, prefix="shell_", mip=True):
+    def __init__(self, shell: Shell, prefix: str = "shell_", mip: bool = True):
         for node, motion in free_motions(shell):
             raise ValueError(
                 f"the supports leave a rigid motion free: the piece of {shell.surface.source} with "
                 f"node {node} {describe(motion)}; hold it, or use dynamics"
             )
         self.shell, self.equilibrium = shell, Equilibrium(shell, mip)
-        self.steps, self.cutbacks, self.level = [], 0, 0.0
-        self.newton = Newton(self.equilibrium, prefix)
+        self.steps: list[Step] = []
+        self.cutbacks, self.level = 0, 0.0
+        self.newton: Newton | None = Newton(self.equilibrium, prefix)
         self._pace, self._told = 0.0, False
 
-    def march(self, levels, smallest=2.0**-10):
+    def march(self, levels: int | ArrayLike, smallest: float = 2.0**-10) -> Iterator[Step]:
         """Solve at each load level in turn, cutting steps back where Newton fails.
 
         Parameters
@@ -154,13 +170,13 @@ class Statics:
             )
         self._pace = pace
 
-    def solve(self, levels=10):
+    def solve(self, levels: int | ArrayLike = 10) -> list[Step]:
         """`march` to the end; returns the list of all converged steps."""
         for _ in self.march(levels):
             pass
         return self.steps
 
-    def reactions(self):
+    def reactions(self) -> np.ndarray:
         """Forces (n, 3) [N] of the supports on the sheet, in the surface's numbering.
 
         All ranks call it, all get them. Their sum is minus that of the loads.
@@ -171,7 +187,7 @@ class Statics:
             forces = np.einsum("nji,nj->ni", eq.Q[: eq.n_owned], forces)
         return self.shell.partition.gather(forces)
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free PETSc's objects; the shell keeps its state."""
         if self.newton is not None:
             self.newton.destroy()

@@ -17,6 +17,8 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from .equilibrium import Equilibrium
+
 DEFAULTS = {
     "snes_type": "newtonls",
     # the first residual of a thin sheet rises far above the last before it falls: full steps
@@ -67,7 +69,7 @@ class Newton:
     roundoff : float [N], of the residual at the last iterate; measured where that was needed
     """
 
-    def __init__(self, equilibrium, prefix):
+    def __init__(self, equilibrium: Equilibrium, prefix: str):
         self.equilibrium = eq = equilibrium
         set_defaults(prefix, DEFAULTS)
         eq.start(0.0)
@@ -81,14 +83,14 @@ class Newton:
         self.snes.setConvergenceTest(self._converged)
         self.snes.setFromOptions()
 
-    def solve(self, level):
+    def solve(self, level: float) -> Step | None:
         """Solve at a load level or time from the present state; returns a Step, None if it fails.
 
         The state after a failure is that of the last iterate: restore it.
         """
         eq = self.equilibrium
         eq.start(level)
-        self._best = []
+        self._best: list[float] = []
         try:
             self.snes.solve(None, eq.x)
             reason = self.snes.getConvergedReason()
@@ -133,12 +135,12 @@ class Newton:
             return reasons.DIVERGED_MAX_IT
         return reasons.CONVERGED_ITERATING
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free the SNES."""
         self.snes.destroy()
 
 
-def set_defaults(prefix, values):
+def set_defaults(prefix: str, values: dict) -> None:
     """Put option values into PETSc's database under a prefix where the user set none."""
     options = PETSc.Options(prefix)
     for key, value in values.items():

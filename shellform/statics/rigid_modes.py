@@ -7,10 +7,12 @@ moves some held unknown (Eq. 10 gives the motion of the 5 unknowns of a node).
 
 import numpy as np
 
+from meshes import Surface
 from shellform.fem.director import along_axes, tangent_frames
+from shellform.fem.shell import Shell
 
 
-def free_motions(shell):
+def free_motions(shell: Shell) -> list[tuple[int, np.ndarray]]:
     """Rigid motions free at rest, the same list on every rank.
 
     Returns
@@ -39,7 +41,7 @@ def free_motions(shell):
     return free
 
 
-def pieces(surface):
+def pieces(surface: Surface) -> np.ndarray:
     """Number (n,) of the connected piece that each point belongs to."""
     label = np.arange(len(surface.points))
     while True:
@@ -51,7 +53,7 @@ def pieces(surface):
         label = lowest
 
 
-def describe(motion):
+def describe(motion: np.ndarray) -> str:
     """A free motion (6,) in words."""
     names = ("x", "y", "z")
     part = "moves along" if np.linalg.norm(motion[:3]) > 0.7 else "turns about"

@@ -5,6 +5,8 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from shellform.fem.shell import Shell
+
 
 class TangentMap:
     """P with columns of held unknowns left out.
@@ -19,7 +21,7 @@ class TangentMap:
     turning : bool, True: axes of nodes may change, see `turn`; rows of displacements hold three
     """
 
-    def __init__(self, shell, length, turning=False):
+    def __init__(self, shell: Shell, length: float, turning: bool = False):
         n, supports = shell.partition.n_owned, shell.supports
         first = shell.space.dofmap.index_map.local_range[0]
         self._free = ~supports.held[:n]
@@ -54,7 +56,7 @@ class TangentMap:
             for j in range(3):
                 self._values[self._start[:, i] + j] = Q[:, j, i] * free[:, j]
 
-    def at(self, T):
+    def at(self, T: np.ndarray) -> PETSc.Mat:
         """The matrix with director frames T (at least n_owned, 3, 2)."""
         T = T[: len(self._start)] * self._free[:, None, 3:] / self._length
         for i in range(3):

@@ -6,11 +6,10 @@ from petsc4py import PETSc
 import numpy as np
 import pytest
 
-from dolfinx.la import create_petsc_vector
-
 import meshes
 from shellform import Fabric, Ply, Shell
 from shellform.fem.director import rotation_matrix
+from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.statics.equilibrium import Equilibrium
 
 PLAIN = {"membrane": "chords", "curvature": "plain"}
@@ -161,7 +160,7 @@ def test_internal_force_is_the_derivative_of_the_energy(name):
     degree, triangles, options, fabric = FORMS[name]
     shell = Shell(dome(degree, triangles), fabric(), **options)
     deform(shell)
-    force = create_petsc_vector(shell.space.dofmap.index_map, 6)
+    force = petsc_vector(shell.space, 6)
     shell.internal_force(force)
     force.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     rng = np.random.default_rng(3)

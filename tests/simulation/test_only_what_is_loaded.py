@@ -13,7 +13,6 @@ from dolfinx import fem
 import meshes
 from shellform import Fabric, Shell, Statics
 from shellform.dynamics.explicit import Newmark
-from shellform.fem.element import energy_terms
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -156,4 +155,4 @@ def test_forms_of_statics(forms, comm):
 
 
 def energy(shell):
-    return energy_terms(shell.mesh, shell.surface, shell.fabric, **shell.options)
+    return shell.weak_form.terms

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A bent sheet between two points: length of its arc and the angle it turns by, as series.
+
+Written for numbers, arrays and UFL expressions alike. With dx = difference of positions, dd =
+difference of directors; xx = dx . dx, xd = dx . dd, dd = dd . dd. quad_kernel_parts.py has compiled
+twins, which a test holds against these.
+"""
+
+from typing import Any
+
+import numpy as np
+
+
+def half_length_squared(xx: Any, xd: Any, dd: Any) -> Any:
+    """l^2/2 [m^2]; of a circular arc up to the fourth order of its angle, 0.1 % below at 60 deg."""
+    return 0.5 * xx + xd**2 * (1 + 2 * dd / 15) / 24
+
+
+def turning(xd: Any, dd: Any) -> Any:
+    """dx . dd [m] with the chord of the turn made its angle: phi = |dd| (1 + |dd|^2/24 + ...)."""
+    return xd * (1 + dd / 12 + dd**2 / 90)
+
+
+def arc_lengths(points: np.ndarray, directors: np.ndarray) -> np.ndarray:
+    """Lengths (k,) [m] between two points (k, 2, 3) with the directors there."""
+    dx, dd = points[:, 1] - points[:, 0], directors[:, 1] - directors[:, 0]
+    products = (np.sum(a * b, axis=1) for a, b in ((dx, dx), (dx, dd), (dd, dd)))
+    return np.sqrt(2 * half_length_squared(*products))
