@@ -47,11 +47,8 @@ def begin_step(work: Any, segments: np.ndarray) -> None:
 
 
 @kernel
-def may_meet(x: np.ndarray, v: np.ndarray, node: Any, work: Any, segments: np.ndarray) -> bool:
-    """Whether a node can come near any segment in its step; distances are measured if needed."""
-    reach = work.dt * np.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
-    if node.fixed:
-        return False
+def may_meet(x: np.ndarray, reach: float, node: Any, work: Any, segments: np.ndarray) -> bool:
+    """Whether a step of length `reach` [m] can come near a segment; measures again if needed."""
     left = clearance_left(x, work.path, work.motion, node)
     if left < reach and work.motion < np.inf:
         margin = max(STEPS * (reach + work.motion), LEAST * work.thinnest)
@@ -77,6 +74,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
     def correct(x, v, old, mass, nodes, step, segments, planes, impulse, book):
         work = step[0]
         begin_step(work, segments)
+        dt, path, motion = work.dt, work.path, work.motion
         book[:] = 0.0
         for i in range(len(x)):
             total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
@@ -85,7 +83,11 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
             for c in range(3):
                 impulse[i, c] = 0.0
             node = nodes[i]
-            if not may_meet(x[i], v[i], node, work, segments):
+            reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
+            left = clearance_left(x[i], path, motion, node)
+            # most nodes: far from all that they can touch
+            away = left >= reach and node.allowed & ~node.far == 0
+            if node.fixed or away or not may_meet(x[i], reach, node, work, segments):
                 node.segment, node.penetrated = -1, 0
                 continue
             for c in range(3):
