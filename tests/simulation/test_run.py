@@ -6,11 +6,9 @@ that folds is chaotic: a difference of roundoff grows tenfold in 20 ms or so, so
 equal but for roundoff, which settle for 0.1 s before, are compared for 60 ms.
 """
 
-import csv
 import json
 import re
 from functools import partial
-from pathlib import Path
 
 from mpi4py import MPI
 
@@ -21,60 +19,15 @@ from shellform.fem.director import rotation_matrix
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.results.joint_torque import COLUMNS, rows_until
 from shellform.scene.garment import garment_of
-from shellform.scene.parts import Motion, Output, Steps
-from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of
 from shellform.simulation.figures import draw
 from shellform.simulation.run import run as run_scene
 from shellform.simulation.summary import summary_lines
 from tests.dressing.test_dress import dressed
 from tests.scene.test_wearer_and_garment import turned
+from tests.simulation.short_walk import JOINTS, WALK, contact_forces, table, torques, vectors
 
 COMM = MPI.COMM_WORLD
-
-
-JOINTS = [f"{side}_{joint}" for side in ("right", "left") for joint in ("hip", "knee", "ankle")]
-
-
-# without drag of the air, which the ledger books but does not tell by window
-WALK = Scene(
-    motion=Motion(start=1.5, end=1.7, initiation=0.4),
-    steps=Steps(drag=0.0),
-    output=Output(checkpoint=0.1),
-)
-
-
-@pytest.fixture(scope="module")
-def walked(tmp_path_factory):
-    """Folder of a whole run, and what it returned; frames that were watched."""
-    out = Path(COMM.bcast(str(tmp_path_factory.mktemp("walk")) if COMM.rank == 0 else None))
-    watched = []
-    results = run_scene(
-        WALK, out, COMM, dressed("compliant").path, lambda stage, _: watched.append(stage)
-    )
-    COMM.Barrier()
-    return out, results, watched
-
-
-def table(path):
-    with open(path) as file:
-        return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
-
-
-def vectors(rows, kind="torque", axes="xyz"):
-    return np.array([[row[f"{kind}_{axis}"] for axis in axes] for row in rows])
-
-
-def torques(out):
-    """Windows, joints, (x, y, z, about the axis of flexion) [N m]."""
-    rows = rows_until(Path(out) / "torque.csv", np.inf)
-    assert [row["joint"] for row in rows] == JOINTS * (len(rows) // 6)
-    return vectors(rows, axes=("x", "y", "z", "flexion")).reshape(-1, 6, 4)
-
-
-def contact_forces(rows, names):
-    """(k, 3), of the body on the cloth [N]."""
-    return sum(vectors(rows, f"force_{name}") for name in names)
 
 
 def test_forces_balance(walked):
