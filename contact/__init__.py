@@ -1,12 +1,26 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Contact between cloth and body: ellipsoids (Eq. 15), friction (Eq. 16), body motion (Eq. 17).
+"""Contact between cloth and a moving body: Eqs. 15 (shapes), 16 (friction) and 17 (motion).
 
 The package works on arrays (positions, velocities, masses) and knows no finite elements, so that
-one and the same correction serves the shell and the particle model. `body` gives the ellipsoids and
-their motion, `correction` is called between steps; `travel` holds how the ellipsoids move over one.
-For every point `planes` says what bounds its step, `wedge` finds the nearest step allowed,
-`friction` what slip is left, and `point` puts them together and books what was done.
+one and the same contact serves the shell and the particle model, and any other program.
 
-Kernels are compiled once and kept beside the sources, under a name that says what they compute:
-what has changed is compiled anew by itself (`kernel`).
+    geometry/   shapes of segments: `shape` is the seam, `ellipsoid` and `capsule` are shapes;
+                patches on the skin
+    body/       bodies: named segments, their motion, sets of them
+    solver/     what a body does to nodes
+        explicit steps   velocity_correction: the hook between steps
+                         broad_phase -> supporting_planes -> nearest_step -> plane_friction
+                         -> contact_ledger, node by node (node_contact); soft_contact in creases
+        implicit steps   active_set, held_nodes
+        of both          friction: the laws; segment_motion and step_record: what kernels share
+    kernel      compiled once and kept beside the sources under a name that says what is computed:
+                what has changed is compiled anew by itself
+
+A new shape is one file in geometry/ and its name in `shape.SHAPES`; a new law of friction is one
+file anywhere.
+
+    body = Body([Segment("ball", (0.1, 0.1, 0.1), Fixed()),
+                 Segment("bar", Capsule(length=0.4, radius=0.05), Fixed((0.0, 0.0, 0.3)))])
+    correction = VelocityCorrection(body, len(x), friction=(0.4, 0.3))
+    correction(x, v, mass, dt, t)     # v is now admissible; correction.last says what was done
 """

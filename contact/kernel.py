@@ -26,6 +26,7 @@ from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
+from typing import Any
 
 import llvmlite
 import numba
@@ -37,14 +38,16 @@ from numba.extending import is_jitted
 LIBRARIES = ("numpy", "numba", "math", "cmath", "builtins")  # known by their versions
 PLAIN = bool, int, float, complex, str, bytes, slice, range
 SETTINGS = ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "DEBUGINFO_DEFAULT")
-_first = weakref.WeakKeyDictionary()  # function -> its content when first looked at
+_first: weakref.WeakKeyDictionary = (
+    weakref.WeakKeyDictionary()
+)  # function -> its content when first looked at
 
 
 class Unknown(Exception):
     """A global whose content cannot be told: the kernel is compiled anew in each process."""
 
 
-def kernel(function: Callable | None = None, **options):
+def kernel(function: Callable | None = None, **options: Any) -> Any:
     """Compile with numba when first called; division as in numpy unless `options` say otherwise.
 
     Use as `@kernel` or with options of `numba.njit`: `@kernel(fastmath={"contract"})`.
@@ -59,7 +62,7 @@ def kernel(function: Callable | None = None, **options):
     return dispatcher
 
 
-def fingerprint(dispatcher) -> str:
+def fingerprint(dispatcher: Any) -> str:
     """Hash of all that decides what a kernel computes, that of the kernels it calls included.
 
     Raises
@@ -69,6 +72,7 @@ def fingerprint(dispatcher) -> str:
         numba keeps the old value in the code it has.
     """
     reached, contents, at = [dispatcher], [], 0
+    calls: list[Any]
     while at < len(reached):
         function, calls = reached[at], []
         own = repr(_content(function, calls)).encode()
@@ -185,7 +189,7 @@ class ContentCache:
     machine code into bytes and back.
     """
 
-    def __init__(self, dispatcher):
+    def __init__(self, dispatcher: Any):
         self._dispatcher = dispatcher
         self._qualname = dispatcher.py_func.__qualname__
         name = f"{dispatcher.py_func.__module__}.{self._qualname}"
@@ -199,7 +203,7 @@ class ContentCache:
             return None
 
     @property
-    def cache_path(self):
+    def cache_path(self) -> str | None:
         return self._numba and self._numba.locator.get_cache_path()
 
     def _place(self, signature, codegen):
@@ -215,7 +219,7 @@ class ContentCache:
         short = hashlib.sha256(repr(key).encode()).hexdigest()[:24]
         return Path(self.cache_path, f"{self._name}-{short}.nbc"), key
 
-    def load_overload(self, signature, context):
+    def load_overload(self, signature: Any, context: Any) -> Any:
         """Machine code for a signature, None if there is none."""
         context.refresh()
         place = self._place(signature, context.codegen())
@@ -233,7 +237,7 @@ class ContentCache:
             return None
         return self._numba.rebuild(context, code) if found == key else None
 
-    def save_overload(self, signature, compiled):
+    def save_overload(self, signature: Any, compiled: Any) -> None:
         """Keep machine code; a full or vanished disk costs no more than the next compilation."""
         place = self._place(signature, compiled.codegen)
         if place is None or not self._numba.check_cachable(compiled):
@@ -249,7 +253,7 @@ class ContentCache:
             with suppress(OSError):
                 written.unlink()
 
-    def flush(self):
+    def flush(self) -> None:
         """Forget all versions, as `recompile` of numba wants."""
         for path in Path(self.cache_path or ".").glob(f"{self._name}-*.nbc"):
             path.unlink(missing_ok=True)

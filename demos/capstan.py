@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""A belt that slides around a cylinder: Euler's and Eytelwein's capstan, a test of Eq. 16.
 
-A belt lies over the angle phi on a cylinder. One end is held back with the tension T1, the other is
-drawn along with a steady speed; with friction mu everywhere at its limit
+Objective. Does friction at nodes add up to what it is along a line? A belt lies over the angle phi
+on a cylinder. One end is held back with the tension T1, the other is drawn along with a steady
+speed.
+
+Equations. With friction mu everywhere at its limit, dT/dphi = mu T, so that
 
     T2/T1 = exp(mu phi).
 
-Nodes that turn the belt by alpha each are small capstans of their own; by equilibrium of two
-straight pieces and a node between them
+What is compared. The ratio of the tensions while the belt travels by one cell. Nodes that turn the
+belt by alpha each are small capstans of their own; by equilibrium of two straight pieces and a node
+between them
 
     T2/T1 = (1 + mu tan(alpha/2)) / (1 - mu tan(alpha/2)),
 
 so that cells leave a relative error of mu phi (1 + mu^2) alpha^2/12 (a series of the above).
+
+Source. Euler's and Eytelwein's formula, as in any book of mechanics.
 
     python demos/capstan.py --cells 8 16 24 --friction 0.3 --out out/capstan
     python demos/capstan.py --accuracy 1%
@@ -29,10 +35,10 @@ import numpy as np
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
 from shellform.accuracy import measured
-from shellform.accuracy.error_law import richardson
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import richardson
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
 
@@ -102,9 +108,9 @@ def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9):
     shell.supports.move("right", lambda t: travel(t) * out[1])
     stepper = Newmark(shell, factor, damping=DAMPING, drag=DRAG)
     body = Body([Segment("cylinder", (radius, 100.0, radius), Fixed())])
-    touch = Touch(stepper, body, friction)
+    contact = stepper.add(Contact(body, friction))
     # the sides are held in their planes, which is no reason for contact to leave them alone
-    touch.correction.fixed[:] = False
+    contact.correction.fixed[:] = False
     return stepper, out
 
 
@@ -136,56 +142,68 @@ def deviation(found, goal):
     return float(np.sqrt(np.mean((found / goal - 1) ** 2)))
 
 
+def cells_for(options):
+    """The choice of cells for the accuracy asked for; sets options.cells, half as many first."""
+    angle = np.radians(options.angle)
+    arc, factor = angle * options.radius, sensitivity(options.friction, angle)
+    choice = choose("capstan", options.accuracy, options.radius, sensitivity=factor)
+    count = max(4, int(np.ceil(arc / choice.size)))
+    # the difference to the coarser one is what the finer one leaves
+    options.cells = [max(2, round(count / 2)), count]
+    return choice.at(arc / count)
+
+
+def reached(choice, options, rows, last):
+    """`accuracy` of summary.json; last : ratios (k,) of the finest belt.
+
+    The exact value is not looked at: how the fine ones swing, and what halving leaves.
+    """
+    swing = np.std(last) / last.mean()
+    apart = richardson(*(row[1] for row in rows), 2.0, 2.0)
+    error = float(np.hypot(swing, apart / last.mean()))
+    coarse, fine = options.cells
+    how = f"swing of {fine} cells and difference of their mean from that of {coarse}"
+    return choice.summary(error, how)
+
+
+def show(goal, rows):
+    """Print the table."""
+    print(f"exact T2/T1 {goal:.5f}\n cells     T2/T1   of mean       rms  seconds")
+    for n, mean, error, rms, took in rows:
+        print(f"{n:6d}  {mean:8.5f}  {error:8.1e}  {rms:8.1e}  {took:7.1f}")
+
+
 def main(given=None):
-    # ## Cells by the error asked for
     options = arguments(given)
-    report = Report(options.out, "capstan", vars(options), COMM)
+    report = Report(options.out, "capstan", dict(vars(options)), COMM)
     mu, angle = options.friction, np.radians(options.angle)
     arc, goal = angle * options.radius, exact(mu, angle)
-    choice, cells = None, options.cells
-    if cells is None:
-        choice = accuracy.choose(
-            "capstan", options.accuracy, options.radius, sensitivity=sensitivity(mu, angle)
-        )
-        count = max(4, int(np.ceil(arc / choice.size)))
-        choice = choice.at(arc / count)
-        # the coarser one tells what the finer one leaves
-        cells = [max(2, round(count / 2)), count]
+    choice = cells_for(options) if options.cells is None else None
 
-    # ## Runs
     rows, steps = [], 0
-    for n in cells:
+    for n in options.cells:
         with report.stage("setup"):
             stepper, out = belt(n, mu, options.radius, angle, options.time_step_factor)
-        if choice and n == cells[-1]:
+        if choice and n == options.cells[-1]:
             work = len(stepper.shell.surface.points), seconds(arc / n) / stepper.dt
             took = measured.seconds("capstan", choice.family, *work) / COMM.size
             console.say(choice.lines(took))
         start = time.perf_counter()
         with report.stage("solve"):
-            found = last = ratios(stepper, out, arc / n)
+            found = ratios(stepper, out, arc / n)
         took = time.perf_counter() - start
         rows.append((n, found.mean(), found.mean() / goal - 1, deviation(found, goal), took))
         steps += stepper.steps
     report.describe(stepper.shell, inertia="lumped", contact=["cylinder"])
 
-    # ## Results
-    told = {}
-    if choice:
-        # the exact value is not looked at: how the fine ones swing, and what halving leaves
-        swing, apart = np.std(last) / last.mean(), richardson(*(row[1] for row in rows), 2.0, 2.0)
-        error = float(np.hypot(swing, apart / last.mean()))
-        how = f"swing of {cells[1]} cells and difference of their mean from that of {cells[0]}"
-        told["accuracy"] = choice.summary(error, how)
+    entries = {"accuracy": reached(choice, options, rows, found)} if choice else {}
     if COMM.rank == 0:
-        print(f"exact T2/T1 {goal:.5f}\n cells     T2/T1   of mean       rms  seconds")
-        for n, mean, error, rms, took in rows:
-            print(f"{n:6d}  {mean:8.5f}  {error:8.1e}  {rms:8.1e}  {took:7.1f}")
+        show(goal, rows)
     if choice:
-        console.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy_line(entries["accuracy"])])
     keys = ("cells", "ratio", "error_of_mean", "error", "seconds")
     results = {"exact": goal, "runs": [dict(zip(keys, row, strict=True)) for row in rows]}
-    report.write(results, steps=steps, newton_iterations=0, **told)
+    report.write(results, steps=steps, newton_iterations=0, **entries)
     console.say([f"wrote {report.folder}/summary.json"])
 
 

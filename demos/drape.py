@@ -1,9 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""A square of cloth, held at one corner or free, falls onto an ellipsoid: the paper's Fig. 6.
 
-The sheet lies level above the body, its corner at (-size/2, -size/2, 0). It is let go, meets the
-ellipsoid, folds over it and comes to rest. The contact forces are impulses booked in every step;
-averaged over the last part of the run they carry the weight, with the pin and what still moves.
+Objective. Does cloth that folds over a body come to rest on it, and do the contact forces carry it?
+The sheet lies level above the ellipsoid, its corner at (-size/2, -size/2, 0). It is let go, meets
+the body, folds over it and comes to rest.
+
+Equations. Explicit steps (Sec. 3.1.3), with contact between the two lines (Eqs. 15 and 16),
+
+    v(n+1/2) = v(n-1/2) + dt M^-1 (f_ext - f_int(x(n))),   x(n+1) = x(n) + dt v(n+1/2);
+
+or implicit steps of the same shell, or masses and springs (Sec. 2.1).
+
+What is compared. Contact forces are impulses booked in every step; averaged over the last part of
+the run they carry the weight, with the pin and what still moves. A run with half the cells tells
+what the cells leave of the mean height.
+
+Source. The paper's Fig. 6.
 
     python demos/drape.py --cells 24 --out out/drape
     mpirun -n 2 python demos/drape.py --pinned none --friction 0.3
@@ -20,6 +32,7 @@ Default data: E t = 1000 N/m, nu = 0.3, bending of a sheet of 1 mm, 0.2 kg/m2, a
 
 import argparse
 import copy
+from dataclasses import dataclass
 
 from mpi4py import MPI
 
@@ -28,10 +41,10 @@ import numpy as np
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
-from shellform.accuracy.error_law import richardson
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import richardson
 from shellform.accuracy.measured import seconds
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
@@ -120,28 +133,34 @@ def sheet(options):
     return shell
 
 
+def body_of(options):
+    """The ellipsoid whose top is 0.05 m below the sheet."""
+    centre = np.array([0.0, 0.0, -0.05 - options.radii[2]])
+    return Body([Segment("body", options.radii, Fixed(centre))])
+
+
 def stepper_of(options, shell, body):
-    """Stepper of the model asked for, and its contact with the body."""
+    """Stepper of the model asked for, with its contact with the body."""
+    # only the steps asked for are loaded and compiled
     if options.stepper == "implicit":
-        from shellform.contact_coupling.implicit_contact import ImplicitTouch
         from shellform.dynamics.implicit import ImplicitNewmark
 
         stepper = ImplicitNewmark(shell, options.time_step, alpha=options.alpha, drag=options.drag)
-        return stepper, ImplicitTouch(stepper, body, options.friction)
-    model = Newmark
-    if options.model == "particles":
-        from shellform.dynamics.mass_spring import Particles as model
-    stepper = model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
-    return stepper, Touch(stepper, body, options.friction)
+    else:
+        if options.model == "particles":
+            from shellform.dynamics.mass_spring import Particles as Model
+        else:
+            Model = Newmark
+        stepper = Model(shell, options.time_step_factor, damping=options.damping, drag=options.drag)
+    stepper.add(Contact(body, options.friction))
+    return stepper
 
 
 def cells_for(options):
     """The choice of cells for the accuracy asked for; sets options.cells."""
     held = (options.bending_stiffness / (options.areal_mass * G)) ** (1 / 3)
     family = ["particles" if options.model == "particles" else "quads"]
-    choice = accuracy.choose(
-        "drape", options.accuracy, min([held, *options.radii]), families=family
-    )
+    choice = choose("drape", options.accuracy, min([held, *options.radii]), families=family)
     options.cells = max(4, int(np.ceil(options.size / choice.size)))
     return choice.at(options.size / options.cells)
 
@@ -158,13 +177,13 @@ def reached(options, choice, body, height):
     if options.stepper == "implicit" or options.handover is not None:
         return choice.summary(None, "measured beforehand; implicit steps have no companion")
     half = argparse.Namespace(**vars(options) | {"cells": max(2, options.cells // 2)})
-    stepper, _ = stepper_of(half, sheet(half), body)
+    stepper = stepper_of(half, sheet(half), body)
     perturb(half, stepper)
     stepper.advance(options.seconds)
     by = options.cells / half.cells
-    left = richardson(height, mean_height(stepper), by, choice.order) / abs(height)
+    error = richardson(height, mean_height(stepper), by, choice.order) / abs(height)
     how = f"run with {half.cells} cells a side; what another start changes added"
-    return choice.summary(float(np.hypot(left, choice.law.spread)), how)
+    return choice.summary(float(np.hypot(error, choice.power_law.spread)), how)
 
 
 def perturb(options, stepper):
@@ -178,106 +197,149 @@ def perturb(options, stepper):
     stepper.scatter()
 
 
+@dataclass
+class Fall:
+    """A sheet that has fallen.
+
+    stepper, contact, ledger : those of the end, when springs have handed over to the shell
+    frames : list of (positions, directors), the start and one an output time
+    deepest : float [m], a node in the body; steps : int, of springs too
+    """
+
+    stepper: object
+    contact: object
+    ledger: Ledger
+    frames: list
+    deepest: float = 0.0
+    steps: int = 0
+
+
+def fall_freely(options, stepper, report, later=None):
+    """Step to the end with a ledger, frames and checkpoints at every output time.
+
+    later : stepper that takes over from springs at options.handover, or None
+    """
+    shell, path = stepper.shell, report.folder / "ledger.csv"
+    start = shell.positions(), shell.directors()
+    fall = Fall(stepper, stepper.contact, stepper.add(Ledger(path)), [start])
+    series = Series(options.out)
+    times = output_times(options)
+    for time in console.progress(times, len(times), "drape"):
+        with report.stage("solve"):
+            if later and time > options.handover:
+                hand_over(options.handover, fall, later, report)
+                fall.ledger, later = later.add(Ledger(path)), None
+            fall.stepper.advance(time)
+        with report.stage("output"):
+            fall.ledger.record()
+            if options.stepper == "explicit" and options.handover is None:
+                checkpoint.save(report.folder / "checkpoint.npz", fall.stepper)
+            shell = fall.stepper.shell
+            series.write(shell, time)
+            fall.frames.append((shell.positions(), shell.directors()))
+            depth = COMM.allreduce(fall.contact.max_depth, MPI.MAX)
+            fall.deepest = max(fall.deepest, depth)
+    fall.steps += fall.stepper.steps
+    report.shift(fall.contact.seconds, "solve", "contact")
+    return fall
+
+
+def output_times(options):
+    """Times [s] at which rows and frames are written."""
+    return np.linspace(0, options.seconds, options.frames + 1)[1:]
+
+
+def hand_over(time, fall, later, report):
+    """Springs go on to a time [s]; the shell takes over from there."""
+    from shellform.dynamics import mass_spring
+
+    fall.stepper.advance(time)
+    report.shift(fall.contact.seconds, "solve", "contact")
+    mass_spring.hand_over(fall.stepper, later)
+    fall.steps, fall.stepper, fall.contact = fall.stepper.steps, later, later.contact
+
+
+def show(options, fall, results):
+    """Print what it cost and what carries the weight."""
+    cost, n = results["microseconds_per_node_and_step"], options.cells
+    print(f"{n} x {n} cells, {fall.steps} steps of {fall.stepper.dt:.2e} s, ", end="")
+    print(f"{cost:.2f} microseconds a node and step")
+    force = np.round(results["contact_force"], 4)
+    print(f"weight {results['weight']:.4f} N, contact {force} N, ", end="")
+    print(f"pin {np.round(results['pin_force'], 4)} N over {results['window']:.2f} s")
+    print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
+    print(f"{results['strain_energy']:.3e} J, depth {1e3 * fall.deepest:.4f} mm")
+
+
+def show_choice(options, choice, stepper):
+    """Print the cells chosen, the errors predicted and the time that it will take."""
+    took = None  # of implicit steps no time was measured
+    if options.stepper == "explicit":
+        work = len(stepper.shell.surface.points), options.seconds / stepper.dt
+        took = seconds("drape", choice.family, *work) / COMM.size
+    console.say(choice.lines(took))
+
+
+def newton_results(fall, report):
+    """What implicit steps add to the results; iterations."""
+    stepper = fall.stepper
+    report.shift(stepper.equilibrium.assembly_seconds, "solve", "assemble")
+    return {
+        "solves": stepper.solves,
+        "cutbacks": stepper.cutbacks,
+        "unsettled_steps": fall.contact.unsettled,
+    }, stepper.newton_iterations
+
+
 def main(given=None):
-    # ## The sheet and the body
     options = arguments(given)
     choice = cells_for(options) if options.cells is None else None
     report = Report(options.out, "drape", vars(options), COMM)
     with report.stage("setup"):
-        shell, n = sheet(options), options.cells
-        square = shell.surface
-        centre = np.array([0.0, 0.0, -0.05 - options.radii[2]])
-        body = Body([Segment("body", options.radii, Fixed(centre))])
-        report.describe(
-            shell, inertia="lumped", contact=list(body.names), friction=options.friction
-        )
-
-    # ## Steps
+        shell, body = sheet(options), body_of(options)
+        names = list(body.names)
+        report.describe(shell, inertia="lumped", contact=names, friction=options.friction)
     with report.stage("compile"):
-        stepper, touch = stepper_of(options, shell, body)
+        stepper, later = stepper_of(options, shell, body), None
         stepper.strain_energy()
     if choice:
-        work = len(square.points), options.seconds / stepper.dt
-        took = None  # of implicit steps no time was measured
-        if options.stepper == "explicit":
-            took = seconds("drape", choice.family, *work) / COMM.size
-        console.say(choice.lines(took))
-    later = None
+        show_choice(options, choice, stepper)
     if options.handover is not None:
-        # particles first, on a sheet of their own
+        # springs first, on a sheet of their own
         first = copy.copy(options)
         first.stepper, first.model = "explicit", "particles"
-        later = stepper, touch
-        stepper, touch = stepper_of(first, sheet(options), body)
+        stepper, later = stepper_of(first, sheet(options), body), stepper
     perturb(options, stepper)
-    ledger, series = Ledger(report.folder / "ledger.csv", stepper, touch), Series(options.out)
-    times = np.linspace(0, options.seconds, options.frames + 1)[1:]
-    shown = stepper.shell
-    frames, deepest = [(shown.positions(), shown.directors())], 0.0
-    particle_steps = 0
-    for time in console.progress(times, len(times), "drape"):
-        with report.stage("solve"):
-            if later and time > options.handover:
-                from shellform.dynamics.mass_spring import hand_over
+    fall = fall_freely(options, stepper, report, later)
 
-                stepper.advance(options.handover)
-                report.shift(touch.seconds, "solve", "contact")
-                hand_over(stepper, later[0])
-                particle_steps, (stepper, touch), later = stepper.steps, later, None
-                ledger = Ledger(report.folder / "ledger.csv", stepper, touch)
-            stepper.advance(time)
-        with report.stage("output"):
-            ledger.record()
-            if options.stepper == "explicit" and options.handover is None:
-                checkpoint.save(report.folder / "checkpoint.npz", stepper, touch)
-            shown = stepper.shell
-            series.write(shown, time)
-            frames.append((shown.positions(), shown.directors()))
-            deepest = max(deepest, COMM.allreduce(touch.correction.max_depth, MPI.MAX))
-    steps = stepper.steps + particle_steps
-    report.shift(touch.seconds, "solve", "contact")
-
-    # ## Results
-    #
-    # Forces are means over the window at the end.
-    results = summarise(options, stepper, ledger, frames[-1][0], deepest)
+    results, iterations, entries = summarise(options, fall), 0, {}
     if COMM.rank == 0:
-        force, weight = results["contact_force"], results["weight"]
         cost = 1e6 * report.seconds["solve"] + 1e6 * report.seconds["contact"]
-        cost /= steps * len(square.points)
+        cost /= fall.steps * len(shell.surface.points)
         results["microseconds_per_node_and_step"] = cost
-        print(f"{n} x {n} cells, {steps} steps of {stepper.dt:.2e} s, ", end="")
-        print(f"{cost:.2f} microseconds a node and step")
-        print(f"weight {weight:.4f} N, contact {np.round(force, 4)} N, ", end="")
-        print(f"pin {np.round(results['pin_force'], 4)} N over {results['window']:.2f} s")
-        print(f"mean height {results['mean_height']:.4f} m, strain energy ", end="")
-        print(f"{results['strain_energy']:.3e} J, depth {1e3 * deepest:.4f} mm")
+        show(options, fall, results)
         with report.stage("output"):
-            from shellform.pictures.surfaces import drape_pictures
+            cells, apart = shell.surface.cells, output_times(options)[0]
+            # only here: rank 0 alone draws
+            from shellform.pictures.cloth_on_body import draw_cloth_on_body
 
-            drape_pictures(report.folder, frames, square.cells, body, times[0])
-    iterations = 0
+            draw_cloth_on_body(report.folder, "drape", fall.frames, cells, body, apart)
     if options.stepper == "implicit":
-        iterations = stepper.newton_iterations
-        results |= {
-            "solves": stepper.solves,
-            "cutbacks": stepper.cutbacks,
-            "unsettled_steps": touch.unsettled,
-        }
-        assembly = stepper.equilibrium.assembly_seconds
-        report.shift(assembly, "solve", "assemble")
-    told = {}
+        more, iterations = newton_results(fall, report)
+        results |= more
     if choice:
         with report.stage("solve"):
-            told["accuracy"] = reached(options, choice, body, results["mean_height"])
-        console.say([accuracy.told(told["accuracy"])])
-    report.write(results, steps=steps, newton_iterations=iterations, time_step=stepper.dt, **told)
-    if COMM.rank == 0:
-        print(f"wrote {report.folder}/summary.json, ledger.csv, drape.png, drape.gif, series.pvd")
+            entries["accuracy"] = reached(options, choice, body, results["mean_height"])
+        console.say([accuracy_line(entries["accuracy"])])
+    entries |= {"steps": fall.steps, "newton_iterations": iterations}
+    report.write(results, time_step=fall.stepper.dt, **entries)
+    written = "summary.json, ledger.csv, drape.png, drape.gif, series.pvd"
+    console.say([f"wrote {report.folder}/{written}"])
 
 
-def summarise(options, stepper, ledger, positions, deepest):
-    """The keys of results in summary.json."""
+def summarise(options, fall):
+    """The keys of results in summary.json; forces are means over the window at the end."""
+    stepper, ledger, positions = fall.stepper, fall.ledger, fall.frames[-1][0]
     rows = ledger.rows
     count = max(1, round(options.window / options.seconds * len(rows)))
     late = rows[-count:]
@@ -307,7 +369,7 @@ def summarise(options, stepper, ledger, positions, deepest):
         "free_corner": positions[corner],
         "strain_energy": late[-1]["strain"],
         "kinetic_energy": late[-1]["kinetic"],
-        "max_penetration": deepest,
+        "max_penetration": fall.deepest,
         "momentum_residual": max(row["momentum_residual"] for row in rows),
     }
 

@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""A sleeve around a bending knee: torque against angle, and where its energy goes.
 
-A stretched tube sits on a knee of two ellipsoids, held by contact alone: the limb is thinnest at
-the joint. The shank bends and straightens in cycles. Without friction the torque follows from the
-strain energy U of the sleeve, and a cycle takes nothing:
+Objective. Is the joint torque, summed from contact forces, the one that energy demands? A stretched
+tube sits on a knee of two ellipsoids, held by contact alone: the limb is thinnest at the joint. The
+shank bends and straightens in cycles.
+
+Equations. The torque about the joint J is that of all contact forces below it, Fig. 9,
+
+    tau_J = sum over AJ of (x_i - J) x f_i.
+
+Without friction it follows from the strain energy U of the sleeve, and a cycle takes nothing:
 
     tau = -dU/dtheta.
 
-With friction the torque opposes the motion, and the loop it runs through encloses what friction
-takes in a cycle (less, in the first one, what stays in the sleeve).
+What is compared. The two sides of that, window by window. With friction the torque opposes the
+motion, and the loop it runs through encloses what friction takes in a cycle (less, in the first
+one, what stays in the sleeve).
+
+Source. The principle of virtual work; the scene is made for it.
 
     python demos/hinge_sleeve.py --friction 0 0.2 --cycles 2 --out out/hinge_sleeve
     mpirun -n 2 python demos/hinge_sleeve.py
@@ -25,10 +34,10 @@ import numpy as np
 
 import meshes
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
 from shellform.accuracy import measured
-from shellform.accuracy.error_law import companion, left
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import companion_cells, companion_error
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.lumped_mass import ROTARY_SCALE
 from shellform.motion.recording import Recording
@@ -59,7 +68,7 @@ def arguments(given):
     parser.add_argument("--radius", type=positive(float), default=0.06, help="of the limb, m")
     parser.add_argument("--around", type=positive(int), help="cells (default: accuracy)")
     parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
-    parser.add_argument("--rotary-scale", type=float, default=ROTARY_SCALE, help="see inertia.py")
+    parser.add_argument("--rotary-scale", type=float, default=ROTARY_SCALE, help="of directors")
     parser.add_argument(
         "--mass-scale", type=positive(float), default=1.0, help="of the sleeve, for larger steps"
     )
@@ -133,14 +142,12 @@ def cycles(options, friction, folder=None):
         rotary_scale=options.rotary_scale,
     )
     start = time.process_time()
-    touch = Touch(stepper, knee(options), friction)
+    contact = stepper.add(Contact(knee(options), friction))
     stepper.advance(STILL)
     stepper.drag = 10.0
-    touch.correction.reset()
-    torque, ledger = (
-        Torque(touch, stepper, path=folder and folder / "torque.csv"),
-        Ledger(None, stepper, touch),
-    )
+    contact.reset()
+    torque = stepper.add(Torque(folder and folder / "torque.csv"))
+    ledger = stepper.add(Ledger())
     count = WINDOWS * options.cycles
     times = STILL + options.period * np.arange(count + 1) / WINDOWS
     strain, lost, found = [ledger.record()["strain"]], [], []
@@ -175,7 +182,7 @@ def apart(one, other):
 
 def cells_for(options):
     """The choice of cells for the accuracy asked for; sets options.around."""
-    choice = accuracy.choose("sleeve", options.accuracy, options.radius)
+    choice = choose("sleeve", options.accuracy, options.radius)
     options.around = max(12, int(np.ceil(2 * np.pi * options.radius / choice.size)))
     choice = choice.at(size_of(options))
     nodes = options.around * (along(choice.size) + 1)
@@ -205,6 +212,7 @@ def replace_around(options, around):
 
 def draw(path, runs):
     """Torque against angle, and -dU/dtheta where there is no friction."""
+    # only here: rank 0 alone draws
     from shellform.pictures.surfaces import new_figure, save_figure
 
     figure, axes = new_figure(1, (6.5, 4.5), "A sleeve around a bending knee")
@@ -219,46 +227,46 @@ def draw(path, runs):
     save_figure(figure, path)
 
 
+def show(runs):
+    """Print the table of cycles."""
+    print("friction  cycle  loop of torque [J]  friction took [J]  stayed [J]  peak [N m]")
+    for friction, run in runs.items():
+        peaks = np.abs(run["torque"]).reshape(-1, WINDOWS).max(axis=1)
+        table = zip(run["loop"], run["friction"], run["kept"], peaks, strict=True)
+        for k, (loop, lost, kept, peak) in enumerate(table, start=1):
+            print(f"{friction:8g}  {k:5d}  {loop:18.5f}  {lost:17.5f}  {kept:10.5f}  {peak:.4f}")
+
+
 def main(given=None):
-    # ## One run for every coefficient of friction
     options = arguments(given)
     report = Report(options.out, "hinge_sleeve", vars(options), COMM)
-    choice, runs, told = None, {}, {}
+    choice, runs, entries = None, {}, {}
     if options.around is None:
         choice = cells_for(options)
     for friction in options.friction:
         with report.stage("solve"):
             runs[friction] = cycles(options, friction, report.folder)
 
-    # ## What other cells differ by
     if choice:
         first = options.friction[0]
-        fewest = int(np.ceil(2 * np.pi / choice.law.coarsest))
-        other = replace_around(options, companion(options.around, fewest))
+        fewest = int(np.ceil(2 * np.pi / choice.power_law.coarsest))
+        other = replace_around(options, companion_cells(options.around, fewest))
         with report.stage("solve"):
             difference = apart(runs[first], cycles(other, first))
-        error = left(difference, options.around, other.around, choice.order)
-        told["accuracy"] = choice.summary(error, f"run with {other.around} cells around")
+        error = companion_error(difference, options.around, other.around, choice.order)
+        entries["accuracy"] = choice.summary(error, f"run with {other.around} cells around")
 
-    # ## Results
     if COMM.rank == 0:
-        print("friction  cycle  loop of torque [J]  friction took [J]  stayed [J]  peak [N m]")
-        for friction, run in runs.items():
-            peaks = np.abs(run["torque"]).reshape(-1, WINDOWS).max(axis=1)
-            table = zip(run["loop"], run["friction"], run["kept"], peaks, strict=True)
-            for k, (loop, lost, kept, peak) in enumerate(table, start=1):
-                print(
-                    f"{friction:8g}  {k:5d}  {loop:18.5f}  {lost:17.5f}  {kept:10.5f}  {peak:.4f}"
-                )
+        show(runs)
         with report.stage("output"):
             draw(report.folder / "hinge_sleeve.png", runs)
     keys = ("loop", "friction", "kept")
     if choice:
-        console.say([accuracy.told(told["accuracy"])])
+        console.say([accuracy_line(entries["accuracy"])])
     results = {f"friction {f:g}": {k: r[k].tolist() for k in keys} for f, r in runs.items()}
-    told["tricks"] = tricks(options)
+    entries["tricks"] = tricks(options)
     steps = sum(run["steps"] for run in runs.values())
-    report.write(results, steps=steps, newton_iterations=0, **told)
+    report.write(results, steps=steps, newton_iterations=0, **entries)
     if COMM.rank == 0:
         print(f"wrote {report.folder}/summary.json, torque.csv, hinge_sleeve.png")
 

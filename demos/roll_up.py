@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""A strip rolled up by an end moment: the validation problem of the paper's Fig. 5.
 
-A flat strip is clamped at x = 0. A moment M about -y, constant along the other end, bends it to
-the curvature kappa = M/D: one full turn at M = 2 pi D/L. In the limit of a thin sheet the exact
-shape is a circle,
+Objective. How far may a shell turn before its error shows? A flat strip of length L is clamped at
+x = 0; a moment M about -y, constant along the other end, bends it in load steps, each solved to
+equilibrium by Newton's method (Eq. 13 without inertia).
+
+Equations. The strip is a beam, as nu = 0: its curvature is kappa = M/D, one full turn at
+M = 2 pi D/L. In the limit of a thin sheet the exact shape is a circle,
 
     x(s) = sin(kappa s)/kappa,   z(s) = (1 - cos(kappa s))/kappa.
 
-A sheet of finite thickness stretches a little as it bends (by about t^2 kappa^2/12), so the
-distance to the circle stops falling there. The long edges slide in their planes: a free strip
+What is compared. The middle of the loaded end with the end of that circle, at every load step, over
+the length. A sheet of finite thickness stretches a little as it bends (by about t^2 kappa^2/12), so
+the distance to the circle stops falling there. The long edges slide in their planes: a free strip
 would leave the plane sideways beyond three quarters of a turn, a true instability.
+
+Source. The circle is Euler's elastica under a pure moment; the problem is the paper's Fig. 5.
 
     python demos/roll_up.py --cells 16 --turns 1 --steps 20 --out out/roll_up
     mpirun -n 2 python demos/roll_up.py --turns 2 -shell_snes_monitor
@@ -26,8 +32,8 @@ import numpy as np
 
 import meshes
 from shellform import Fabric, Shell, Statics, console
-from shellform.accuracy import choice as accuracy
-from shellform.accuracy.error_law import companion, left
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import companion_cells, companion_error
 from shellform.accuracy.measured import seconds, tricks
 from shellform.results.report import Report
 from shellform.results.series import Series
@@ -84,7 +90,7 @@ def cells_for(options):
         sensitivity(options.turns),
         stretch(options.turns, options.length, options.thickness),
     )
-    choice = accuracy.choose(
+    choice = choose(
         "roll_up", options.accuracy, radius, *scales, families=[FAMILIES[options.degree - 1]]
     )
     options.cells = max(2, int(np.ceil(options.length / choice.size)))
@@ -111,15 +117,15 @@ def strip(options):
 
 def reached(options, choice, tip):
     """`accuracy` of summary.json: what the tip differs by from that of another mesh."""
-    fewest = int(np.ceil(2 * np.pi * abs(options.turns) / choice.law.coarsest))
-    cells = companion(options.cells, fewest)
+    fewest = int(np.ceil(2 * np.pi * abs(options.turns) / choice.power_law.coarsest))
+    cells = companion_cells(options.cells, fewest)
     shell, _ = strip(argparse.Namespace(**vars(options) | {"cells": cells}))
     with Statics(shell) as statics:
         for _ in statics.march(options.steps):
             pass
-        other = shell.displacement_at((options.length, 0, 0)) + (options.length, 0, 0)
+        other = tip_of(shell, options.length)
     apart = float(np.linalg.norm(tip - other)) / options.length
-    error = left(apart, options.cells, cells, choice.order)
+    error = companion_error(apart, options.cells, cells, choice.order)
     return choice.summary(error + choice.own, f"run with {cells} cells; stretch of the sheet added")
 
 
@@ -131,36 +137,27 @@ def circle(kappa, s):
     return np.column_stack([x, 0 * s, z])
 
 
-def main(given=None):
-    # ## The strip
-    options = arguments(given)
-    choice = cells_for(options) if options.cells is None else None
-    report = Report(options.out, "roll_up", vars(options), COMM)
-    length, turns = options.length, options.turns
-    with report.stage("setup"):
-        shell, kappa = strip(options)
-        report.describe(shell, inertia=False, contact=False)
-    if choice:
-        work = len(shell.surface.points), options.steps
-        took = seconds("roll_up", choice.family, *work) / COMM.size
-        console.say(choice.lines(took))
-    with report.stage("compile"):
-        shell.forms()
+def march(shell, kappa, options, report):
+    """Raise the moment step by step; what is seen on the way.
 
-    # ## Load steps
+    Returns
+    -------
+    rows : list of (level, x, z, exact x, exact z, error over the length, Newton iterations)
+    frames, exact : five shapes for `draw`, and the circles they should be
+    statics : Statics, done
+    """
+    length, turns = options.length, options.turns
     with report.stage("setup"):
         statics = Statics(shell)
     levels = np.linspace(0, 1, options.steps + 1)[1:]
     shown = {options.steps * k // 5 for k in range(1, 6)}
-    frames, exact, rows, iterations = [], [], [], []
-    series = Series(options.out)
-    march = console.progress(statics.march(levels), options.steps, "roll-up")
+    rows, frames, exact, series = [], [], [], Series(options.out)
+    steps = console.progress(statics.march(levels), options.steps, "roll-up")
     start = time.perf_counter()
-    for k, step in enumerate(march, start=1):
+    for k, step in enumerate(steps, start=1):
         report.seconds["solve"] += time.perf_counter() - start
-        iterations.append(step.iterations)
         with report.stage("output"):
-            tip = shell.displacement_at((length, 0, 0)) + (length, 0, 0)
+            tip = tip_of(shell, length)
             goal = circle(kappa * step.level, np.array([length]))[0]
             error = np.linalg.norm(tip - goal) / length
             rows.append((step.level, *tip[[0, 2]], *goal[[0, 2]], error, step.iterations))
@@ -171,43 +168,108 @@ def main(given=None):
                 series.write(shell, step.level)
         start = time.perf_counter()
     report.shift(statics.equilibrium.assembly_seconds, "solve", "assemble")
+    return rows, frames, exact, statics
 
-    # ## What other cells differ by
-    usual = int(np.ceil(STEPS * abs(turns)))
+
+def tip_of(shell, length):
+    """Position (3,) [m] of the middle of the end that the moment turns."""
+    return shell.displacement_at((length, 0, 0)) + (length, 0, 0)
+
+
+def show(options, rows):
+    """Print the table of load steps."""
+    print(f"{options.cells} x 1 cells of degree {options.degree}, t = {options.thickness:g} m")
+    print(f"{'turns':>8} {'x':>10} {'z':>10} {'x exact':>10} {'z exact':>10}  error/L  Newton")
+    for level, x, z, x_exact, z_exact, error, newton in rows:
+        turns = level * options.turns
+        shape = f"{turns:8.3f} {x:10.5f} {z:10.5f} {x_exact:10.5f} {z_exact:10.5f}"
+        print(f"{shape}  {error:.1e}  {newton:6d}")
+
+
+def draw(path, frames, exact, title):
+    """Strips side by side at several load levels and their profiles over the exact circles.
+
+    Parameters
+    ----------
+    path : PNG file
+    frames : list of (label, points (n, 3), directors (n, 3), cells); node 0 at the clamp
+    exact : list of curves (k, 3), one a frame
+    title : str
+    """
+    # only here: a run on rank 1 draws nothing
+    from shellform.pictures.surfaces import (
+        BACK,
+        CLOTH,
+        draw_surfaces,
+        facets_and_sides,
+        new_figure,
+        save_figure,
+        view_axes,
+    )
+
+    figure, (above, below) = new_figure(2, (9, 8.5), title, height_ratios=(3, 2))
+    width = np.ptp(frames[0][1][:, 1])
+    view = (-78, 16)
+    strips = []
+    right, up, _ = view_axes(*view)
+    spacing = np.array([0.0, 5 * width, 0.0])
+    for i, (label, points, directors, cells) in enumerate(frames):
+        facets, sides = facets_and_sides(points + i * spacing, directors, cells)
+        strips.append((facets, sides, CLOTH, BACK, 0.0))
+        root = points[0] + i * spacing - [0.4 * width, 0, 0]
+        above.text(root @ right, root @ up, label, ha="right", va="center", fontsize=9)
+    draw_surfaces(above, strips, *view)
+    for (label, points, *_), curve in zip(frames, exact, strict=True):
+        side = points[np.isclose(points[:, 1], points[:, 1].min(), atol=1e-6 * width)]
+        (line,) = below.plot(curve[:, 0], curve[:, 2], lw=0.8)
+        below.plot(side[:, 0], side[:, 2], "o", ms=3, color=line.get_color(), label=label)
+    below.set_aspect("equal")
+    below.set_xlabel("x [m]")
+    below.set_ylabel("z [m]")
+    place = {"loc": "center left", "bbox_to_anchor": (1, 0.5)}
+    below.legend(title="nodes; lines: exact", fontsize=8, **place)
+    save_figure(figure, path)
+
+
+def main(given=None):
+    options = arguments(given)
+    choice = cells_for(options) if options.cells is None else None
+    report = Report(options.out, "roll_up", vars(options), COMM)
+    with report.stage("setup"):
+        shell, kappa = strip(options)
+        report.describe(shell, inertia=False, contact=False)
+    if choice:
+        work = len(shell.surface.points), options.steps
+        took = seconds("roll_up", choice.family, *work) / COMM.size
+        console.say(choice.lines(took))
+    with report.stage("compile"):
+        shell.forms()
+    rows, frames, exact, statics = march(shell, kappa, options, report)
+
+    usual = int(np.ceil(STEPS * abs(options.turns)))
     used = [f"{options.steps} load steps"] if options.steps < usual else []
-    told = {"tricks": tricks("roll_up", used)}
+    entries = {"tricks": tricks("roll_up", used)}
+    tip, error = tip_of(shell, options.length), rows[-1][5]
     if choice:
         with report.stage("solve"):
-            told["accuracy"] = reached(options, choice, tip)
-
-    # ## Results
+            entries["accuracy"] = reached(options, choice, tip)
     if COMM.rank == 0:
-        print(f"{options.cells} x 1 cells of degree {options.degree}, t = {options.thickness:g} m")
-        print(f"{'turns':>8} {'x':>10} {'z':>10} {'x exact':>10} {'z exact':>10}  error/L  Newton")
-        for level, x, z, x_exact, z_exact, error, newton in rows:
-            shape = f"{level * turns:8.3f} {x:10.5f} {z:10.5f} {x_exact:10.5f} {z_exact:10.5f}"
-            print(f"{shape}  {error:.1e}  {newton:6d}")
+        show(options, rows)
         with report.stage("output"):
-            from shellform.pictures.surfaces import roll_up_picture
-
             title = f"Roll-up, {options.cells} cells, tip within {error:.1e} of the length"
-            roll_up_picture(report.folder / "roll_up.png", frames, exact, title)
-    report.write(
-        {
-            "tip": tip,
-            "tip_exact": goal,
-            "tip_error_over_length": error,
-            "newton_iterations_per_step": iterations,
-        },
-        steps=len(statics.steps),
-        newton_iterations=sum(step.iterations for step in statics.steps),
-        cutbacks=statics.cutbacks,
-        **told,
-    )
+            draw(report.folder / "roll_up.png", frames, exact, title)
+    results = {
+        "tip": tip,
+        "tip_exact": circle(kappa, np.array([options.length]))[0],
+        "tip_error_over_length": error,
+        "newton_iterations_per_step": [row[-1] for row in rows],
+    }
+    iterations = sum(step.iterations for step in statics.steps)
+    entries |= {"newton_iterations": iterations, "cutbacks": statics.cutbacks}
+    report.write(results, steps=len(statics.steps), **entries)
     if choice:
-        console.say([accuracy.told(told["accuracy"])])
-    if COMM.rank == 0:
-        print(f"wrote {report.folder}/summary.json, roll_up.png, series.pvd")
+        console.say([accuracy_line(entries["accuracy"])])
+    console.say([f"wrote {report.folder}/summary.json, roll_up.png, series.pvd"])
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""A strip hung over a cylinder, against the heavy elastica with an arc of contact.
 
-Where to meet a body: at the nodes, or inside the cells as well? A strip of bending stiffness D and
-weight q per area lies without friction on a cylinder and hangs down on both sides. With the radius
-rho of the mid-surface, arc length s from the top to the end S and slope angle phi below the
-horizontal, the part beyond the contact obeys
+Objective. Where to meet a body: at the nodes, or inside the cells as well?
+
+Equations. A strip of bending stiffness D and weight q per area lies without friction on a cylinder
+and hangs down on both sides. With the radius rho of the mid-surface, arc length s from the top to
+the end S and slope angle phi below the horizontal, the part beyond the contact obeys
 
     D phi'' = -q (S - s) cos phi,   phi'(S) = 0,   phi = s/rho and phi' = 1/rho where it lifts off.
 
@@ -15,7 +16,12 @@ body balances it by a point force where the strip lifts off, phi = c:
     P = q (S - s_c) cos c,   T = q (S - s_c) sin c + q rho (cos phi - cos c).
 
 The membrane stretches a little (T over its stiffness); that is part of the reference, to first
-order. Half a strip is computed; explicit steps with drag bring it to rest.
+order. It is solved by shooting, to 1e-10.
+
+What is compared. Half a strip is brought to rest by explicit steps with drag: its tip, where it
+lifts off, the sum of the forces, their normal part, moment and spread over the angle.
+
+Source. The heavy elastica as in the theory of rods; derived here.
 
     python demos/strip_over_cylinder.py --cells 8 16 32 64 --out out/strip_over_cylinder
 
@@ -36,10 +42,10 @@ from scipy.optimize import brentq
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell, console
-from shellform.accuracy import choice as accuracy
 from shellform.accuracy import measured
-from shellform.accuracy.error_law import richardson
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.accuracy.choice import accuracy_line, choose
+from shellform.accuracy.convergence import richardson
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
 
@@ -140,7 +146,7 @@ def elastica(scene):
 
 
 def strip(scene, cells, samples, drag=12.0, friction=0.0):
-    """Stepper and Touch of half a strip, bent over the cylinder, its end straight."""
+    """Stepper and contact of half a strip, bent over the cylinder, its end straight."""
     surface = meshes.rectangle(scene.length, WIDTH, (cells, 1))
     surface = surface.transform(translation=(0, -0.5 * WIDTH, scene.rho))
     ones = np.diag([1, 1, 0.5])
@@ -164,10 +170,10 @@ def strip(scene, cells, samples, drag=12.0, friction=0.0):
     w[:, 3:] = np.column_stack([np.sin(phi), 0 * phi, np.cos(phi)])
     stepper = Newmark(shell, 0.9, drag=drag)
     body = Body([Segment("cylinder", (scene.radius, 100.0, scene.radius), Fixed())])
-    return stepper, Touch(stepper, body, friction, samples=samples)
+    return stepper, stepper.add(Contact(body, friction, samples=samples))
 
 
-def measure(exact, stepper, touch, until=2.0):
+def measure(exact, stepper, contact, until=2.0):
     """Errors at rest against the reference.
 
     Returns
@@ -177,15 +183,15 @@ def measure(exact, stepper, touch, until=2.0):
     relative), spread (mean error of the sum of forces up to the middle of each cell, over the
     whole), speed [m/s]; microseconds a step; nodes (k, 2), forces (k,)
     """
-    shell, scene, correction = stepper.shell, exact.scene, touch.correction
-    start, contact = time.perf_counter(), touch.seconds
+    shell, scene = stepper.shell, exact.scene
+    start, before = time.perf_counter(), contact.seconds
     stepper.advance(until - WINDOW)
     # drag acts on free velocities: with it the body pushes less by drag dt/2
     stepper.drag = 0.0
-    correction.reset()
+    contact.reset()
     stepper.advance(until)
-    seconds, contact = time.perf_counter() - start, touch.seconds - contact
-    force = shell.partition.gather(correction.window.impulse / correction.window.seconds)
+    seconds, in_contact = time.perf_counter() - start, contact.seconds - before
+    force = shell.partition.gather(contact.window.impulse / contact.window.seconds)
     place, rest = shell.positions(), shell.surface.points
     order = np.lexsort((rest[:, 1], rest[:, 0])).reshape(-1, 2)
     nodes = place[order].mean(axis=1)[:, [0, 2]]
@@ -207,7 +213,7 @@ def measure(exact, stepper, touch, until=2.0):
         "spread": error[middle < 0.5 * np.pi].mean(),
         "speed": speed,
         "us_per_step": 1e6 * seconds / stepper.steps,
-        "us_contact": 1e6 * contact / stepper.steps,
+        "us_contact": 1e6 * in_contact / stepper.steps,
         "nodes": nodes,
         "force": push,
         "phi": phi,
@@ -245,7 +251,7 @@ def arguments(given):
 def cells_for(options):
     """The choice of cells for the accuracy asked for; sets options.cells, half as many first."""
     length = min(options.radius, options.bending_length)
-    choice = accuracy.choose("strip", options.accuracy, length)
+    choice = choose("strip", options.accuracy, length)
     count = max(6, int(np.ceil(options.length / choice.size)))
     options.cells = [max(3, count // 2), count]
     return choice.at(options.length / count)
@@ -262,76 +268,93 @@ def reached(choice, coarse, fine, length):
 QUANTITIES = ("tip", "angle", "weight", "normal", "moment", "spread")
 
 
+def show_reference(exact):
+    """Print the elastica and the head of the table."""
+    x, z = exact.tip
+    total = exact.pushed(np.array([9.0]))[0]
+    print(
+        f"elastica: lifts off at {np.degrees(exact.angle):.2f} degrees, tip {x:.5f} {z:.5f} m, "
+        f"point force {exact.point_force:.4f} of {total:.4f} N/m"
+    )
+    print(f"{'':14}{'cells':>6}" + "".join(f"{q:>11}" for q in QUANTITIES) + "   speed  us/step")
+
+
+def show(label, cells, found):
+    """Print a row of the table."""
+    errors = "".join(f"{found[name]:11.1e}" for name in QUANTITIES)
+    cost = f"{found['speed']:8.0e} {found['us_per_step']:8.0f}"
+    print(f"{label:14}{cells:6d}{errors}{cost}", flush=True)
+
+
+def show_orders(cells, runs):
+    """Print the order of convergence of every quantity."""
+    slopes = (order(cells, [found[name] for found in runs]) for name in QUANTITIES)
+    print(f"{'  order':20}" + "".join(f"{slope:11.1f}" for slope in slopes))
+
+
 def main(given=None):
-    # ## The reference
     options = arguments(given)
     choice = cells_for(options) if options.cells is None else None
     report = Report(options.out, "strip_over_cylinder", vars(options), COMM)
     scene = Scene(options.radius, options.length, options.bending_length)
     exact = elastica(scene)
     if COMM.rank == 0:
-        x, z = exact.tip
-        print(
-            f"elastica: lifts off at {np.degrees(exact.angle):.2f} degrees, tip {x:.5f} {z:.5f} m, "
-            f"point force {exact.point_force:.4f} of {exact.pushed(np.array([9.0]))[0]:.4f} N/m"
-        )
-        print(
-            f"{'':14}{'cells':>6}" + "".join(f"{q:>11}" for q in QUANTITIES) + "   speed  us/step"
-        )
+        show_reference(exact)
 
-    # ## Nodes, and points inside cells
     runs, steps = {}, 0
     for k in options.samples:
         label = f"{k} x {k} inside" if k else "nodes"
         runs[label] = []
         for cells in options.cells:
             with report.stage("setup"):
-                stepper, touch = strip(scene, cells, k)
+                stepper, contact = strip(scene, cells, k)
             if choice and (k, cells) == (options.samples[0], options.cells[-1]):
                 work = len(stepper.shell.surface.points), options.seconds / stepper.dt
                 took = measured.seconds("strip", choice.family, *work) / COMM.size
                 console.say(choice.lines(took))
             with report.stage("solve"):
-                found = measure(exact, stepper, touch, options.seconds)
-            report.shift(touch.seconds, "solve", "contact")
+                found = measure(exact, stepper, contact, options.seconds)
+            report.shift(contact.seconds, "solve", "contact")
             steps += stepper.steps
             runs[label].append(found)
             if COMM.rank == 0:
-                errors = "".join(f"{found[name]:11.1e}" for name in QUANTITIES)
-                cost = f"{found['speed']:8.0e} {found['us_per_step']:8.0f}"
-                print(f"{label:14}{cells:6d}{errors}{cost}", flush=True)
+                show(label, cells, found)
         if COMM.rank == 0 and len(options.cells) > 1:
-            slopes = (order(options.cells, [f[name] for f in runs[label]]) for name in QUANTITIES)
-            print(f"{'  order':20}" + "".join(f"{slope:11.1f}" for slope in slopes))
+            show_orders(options.cells, runs[label])
     report.describe(stepper.shell, inertia=True, contact=True)
 
-    # ## Results
     with report.stage("output"):
         if COMM.rank == 0:
-            picture(report.folder / "strip_over_cylinder.png", exact, options.cells, runs)
-    results = {
+            draw(report.folder / "strip_over_cylinder.png", exact, options.cells, runs)
+    entries = {}
+    if choice:
+        entries["accuracy"] = reached(choice, *next(iter(runs.values())), options.length)
+        console.say([accuracy_line(entries["accuracy"])])
+    results = results_of(exact, options.cells, runs)
+    report.write(results, steps=steps, newton_iterations=0, **entries)
+    console.say([f"wrote {report.folder}/summary.json, strip_over_cylinder.png"])
+
+
+def results_of(exact, cells, runs):
+    """The keys of results in summary.json."""
+    columns = (*QUANTITIES, "us_per_step")
+    return {
         "angle_exact": exact.angle,
         "tip_exact": exact.tip,
         "point_force_exact": exact.point_force,
         "runs": {
             label: [
-                {"cells": n} | {name: float(f[name]) for name in (*QUANTITIES, "us_per_step")}
-                for n, f in zip(options.cells, found, strict=True)
+                {"cells": n} | {name: float(one[name]) for name in columns}
+                for n, one in zip(cells, found, strict=True)
             ]
             for label, found in runs.items()
         },
     }
-    told = {}
-    if choice:
-        told["accuracy"] = reached(choice, *next(iter(runs.values())), options.length)
-        console.say([accuracy.told(told["accuracy"])])
-    report.write(results, steps=steps, newton_iterations=0, **told)
-    if COMM.rank == 0:
-        print(f"wrote {report.folder}/summary.json, strip_over_cylinder.png")
 
 
-def picture(path, exact, cells, runs):
+def draw(path, exact, cells, runs):
     """The strip at rest, forces summed over the angle, and errors over cells."""
+    # only here: rank 0 alone draws
     from shellform.pictures.surfaces import new_figure, save_figure
 
     title = "A strip over a cylinder: contact at nodes, and inside cells as well"

@@ -1,8 +1,20 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""Trousers on a walking wearer, and the torque they exert: the paper's Figs. 7, 8 and 10.
 
-The wearer is dressed as in Fig. 7, walks four strides, the third over an obstacle of 0.5 m, and the
-contact forces give the torque about every joint, for compliant and for stiff trousers.
+Objective. What do trousers demand of the joints, and how much more if they are stiff? The wearer is
+dressed as in Fig. 7, walks four strides, the third over an obstacle of 0.5 m.
+
+Equations. The body is ellipsoids posed by joint points (Eq. 17); cloth is a director shell (Eqs. 2
+to 14) in explicit steps with contact (Eqs. 15 and 16); the torque about the joint J is
+
+    tau_J = sum over AJ of (x_i - J) x f_i,
+
+with f_i the contact force on the body at node i, AJ all of the body below the joint.
+
+What is compared. Torque against time for compliant and for stiff cloth, with its peak, root mean
+square and work over a stride. Forces must balance weight and momentum in every window.
+
+Source. The paper's Sec. 4.2; the synthetic walk is that of shellform/motion/gait.
 
     python demos/walk.py --out out/walk
     mpirun -n 2 python demos/walk.py                  # one rank a fabric
@@ -14,7 +26,6 @@ fabric with torque.csv, ledger.csv, a series for ParaView, the dressed state and
 """
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
 from mpi4py import MPI
@@ -22,16 +33,16 @@ from mpi4py import MPI
 import numpy as np
 
 from shellform import console
-from shellform.accuracy.choice import told as accuracy_told
+from shellform.accuracy.choice import accuracy_line
 from shellform.results.joint_torque import rows_until
 from shellform.results.report import Report
-from shellform.scene.parts import Garment, Motion, Output, Steps
+from shellform.scene.parts import Contact, Garment, Motion, Output, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of
 from shellform.simulation.error_study import estimate
 from shellform.simulation.figures import dressing_frames
 from shellform.simulation.run import run
-from shellform.simulation.summary import summary_of, told
+from shellform.simulation.summary import summary_lines, summary_of
 
 COMM = MPI.COMM_WORLD
 JOINT = "right_knee"
@@ -50,7 +61,9 @@ def arguments(given):
     )
     parser.add_argument("--accuracy", default="draft", help="draft, standard, fine or N%%")
     parser.add_argument(
-        "--estimate", action="store_true", help="coarser runs beside, to estimate the error reached"
+        "--estimate",
+        action="store_true",
+        help="other cells too, to estimate the error",
     )
     parser.add_argument("--obstacle", type=float, default=0.5, help="height, m; 0 for none")
     parser.add_argument("--seconds", type=positive(float), help="of the motion (default: all)")
@@ -72,57 +85,55 @@ def scene_of(options, fabric):
         garment=Garment(cell_size=options.cell_size),
         steps=Steps(accuracy=options.accuracy, time_step_factor=options.time_step_factor),
         output=Output(window=options.window, frames=options.frames),
+        contact=Contact(friction=options.friction),
         belt=options.belt,
         title=f"walk in {Path(fabric).stem} trousers",
     )
 
 
+def walk_all(options, names, scenes):
+    """Results by name; ranks form one group a fabric, without enough ranks fabrics take turns."""
+    groups = min(COMM.size, len(names))
+    mine = COMM.rank % groups
+    comm = COMM.Split(mine, COMM.rank)
+    results = {}
+    for name, scene in list(zip(names, scenes, strict=True))[mine::groups]:
+        results[name] = run(scene, options.out / name, comm)
+        if options.estimate:
+            estimate(scene, options.out / name, comm)
+    parts = COMM.allgather(results)
+    return {name: part[name] for name in names for part in parts if name in part}
+
+
 def main(given=None):
-    # ## One scene a fabric
-    #
-    # Ranks form one group a fabric; without enough ranks the fabrics follow one another.
     options = arguments(given)
     report = Report(options.out, "walk", vars(options), COMM)
     names = [Path(fabric).stem for fabric in options.fabric]
     scenes = [scene_of(options, fabric) for fabric in options.fabric]
-    scenes = [replace(s, contact=replace(s.contact, friction=options.friction)) for s in scenes]
-    groups = min(COMM.size, len(names))
-    mine = COMM.rank % groups
-    comm = COMM.Split(mine, COMM.rank)
-
-    # ## Dressing and walking
-    results = {}
     with report.stage("solve"):
-        for name, scene in list(zip(names, scenes, strict=True))[mine::groups]:
-            results[name] = run(scene, options.out / name, comm)
-            if options.estimate:
-                estimate(scene, options.out / name, comm)
-    parts = COMM.allgather(results)
-    results = {name: part[name] for name in names for part in parts if name in part}
-
-    # ## Pictures and the report
+        results = walk_all(options, names, scenes)
     summaries = [summary_of(options.out / name) for name in names]
     if COMM.rank == 0:
         with report.stage("output"):
             draw(options, names, scenes[0])
         for name, summary in zip(names, summaries, strict=True):
             print(f"\n{name} trousers")
-            print("\n".join(told(results[name])))
-            print(accuracy_told(summary["accuracy"]))
+            print("\n".join(summary_lines(results[name])))
+            print(accuracy_line(summary["accuracy"]))
     keys = ("cells", "nodes", "dofs", "plan", "accuracy", "tricks")
-    first = {key: summaries[0][key] for key in keys}
-    report.summary |= first
+    report.summary |= {key: summaries[0][key] for key in keys}
     report.write(
         results[names[0]] | {"fabrics": results},
         steps=sum(summary["steps"] for summary in summaries),
         newton_iterations=0,
     )
-    if COMM.rank == 0:
-        print(f"\nwrote {options.out}/walk.png, torque.png, pressure.png, walk.gif, summary.json")
+    written = "walk.png, torque.png, pressure.png, walk.gif, summary.json"
+    console.say([f"\nwrote {options.out}/{written}"])
 
 
 def draw(options, names, scene):
     """walk.png, torque.png and walk.gif."""
+    # only here: rank 0 alone draws
     from shellform.pictures.skin_pressure import pressure_figure
     from shellform.pictures.walk import draw_all
     from shellform.results.skin_pressure import load

@@ -5,7 +5,8 @@ Nothing here knows finite elements. Lengths are in m; a Surface has passed `chec
 # SPDX-License-Identifier: LGPL-3.0-or-later
 
 from meshes.files.load import load, save
-from meshes.garments.prepare import regions, worn
+from meshes.garments import GARMENTS, Pattern
+from meshes.garments.prepare import prepare_garment, regions
 from meshes.garments.sleeve_and_skirt import skirt, sleeve
 from meshes.garments.trousers import SIZES, trousers
 from meshes.shapes.panel import (
@@ -34,8 +35,10 @@ from .repair import (
 from .surface import MeshError, Surface, check
 
 __all__ = [
+    "GARMENTS",
     "SIZES",
     "MeshError",
+    "Pattern",
     "Surface",
     "annulus",
     "boundary_loops",
@@ -51,6 +54,7 @@ __all__ = [
     "nodal_normals",
     "orient",
     "patch",
+    "prepare_garment",
     "rectangle",
     "regions",
     "save",
@@ -62,5 +66,4 @@ __all__ = [
     "split_triangles",
     "to_triangles",
     "trousers",
-    "worn",
 ]

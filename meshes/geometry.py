@@ -20,7 +20,7 @@ _NODE_WEIGHTS = {
 }
 
 
-def corner_tangents(points, cells):
+def corner_tangents(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Tangents at each corner along the edges to the next and to the previous corner.
 
     Two arrays (m, corners, 3); their lengths are the edge lengths of straight cells.
@@ -37,7 +37,7 @@ def corner_tangents(points, cells):
     return following - corners, previous - corners
 
 
-def node_crosses(points, cells):
+def node_crosses(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Cross product of the surface tangents at each node of each cell, (m, nodes, 3)."""
     onward, back = corner_tangents(points, cells)
     crosses = np.cross(onward, back)
@@ -51,7 +51,7 @@ def node_crosses(points, cells):
     return np.concatenate([crosses, np.cross(along, inward), at_centre[:, None]], axis=1)
 
 
-def widest_corners(points, cells):
+def widest_corners(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Largest angle [degrees] (cells,) between the straight sides at the corners of each cell."""
     corners = points[cells[:, : 3 if cells.shape[1] == 3 else 4]]
     sides = np.roll(corners, -1, axis=1) - corners
@@ -61,30 +61,30 @@ def widest_corners(points, cells):
     return np.degrees(np.arccos(np.clip(cosine.min(axis=1), -1.0, 1.0)))
 
 
-def cell_areas(points, cells):
+def cell_areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Area of each cell (m,)."""
     lengths = np.linalg.norm(node_crosses(points, cells), axis=2)
     return lengths @ _NODE_WEIGHTS[cells.shape[1]]
 
 
-def area_vectors(points, cells):
+def area_vectors(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Mean normal of each cell times its (projected) area, (m, 3)."""
     return np.einsum("mni,n->mi", node_crosses(points, cells), _NODE_WEIGHTS[cells.shape[1]])
 
 
-def cell_centres(points, cells):
+def cell_centres(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Centre point of each cell (m, 3)."""
     return points[cells[:, 8]] if cells.shape[1] == 9 else points[cells].mean(axis=1)
 
 
-def sum_at_points(values, cells, count):
+def sum_at_points(values: np.ndarray, cells: np.ndarray, count: int) -> np.ndarray:
     """Sum of cell-node values (m, nodes, 3) at each of ``count`` points, (count, 3)."""
     flat = cells.ravel()
     columns = values.reshape(-1, 3).T
     return np.stack([np.bincount(flat, column, count) for column in columns], axis=1)
 
 
-def mean_normals(points, cells):
+def mean_normals(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Angle-weighted sum of the cells' unit normals at each point (n, 3), not normalised."""
     crosses = node_crosses(points, cells)
     lengths = np.linalg.norm(crosses, axis=2, keepdims=True)
@@ -92,13 +92,14 @@ def mean_normals(points, cells):
     onward, back = corner_tangents(points, cells)
     count = corner_count(cells)
     # Weighting by the corner angle makes the mean independent of how the faces are cut up.
-    normals[:, :count] *= np.arctan2(lengths[:, :count, 0], np.einsum("mni,mni->mn", onward, back))[
-        :, :, None
-    ]
+    # Without gaps: else the last digit of an arc tangent depends on where in memory they lie.
+    sines = np.ascontiguousarray(lengths[:, :count, 0])
+    angles = np.arctan2(sines, np.einsum("mni,mni->mn", onward, back))
+    normals[:, :count] *= angles[:, :, None]
     return sum_at_points(normals, cells, len(points))
 
 
-def nodal_normals(points, cells):
+def nodal_normals(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Unit normal at each point (n, 3): the angle-weighted mean of the cells' normals there.
 
     For 9-node cells these are the exact normals of the isoparametric surface at the node. Raises
@@ -114,12 +115,12 @@ def nodal_normals(points, cells):
     return normals / lengths[:, None]
 
 
-def diagonal(points):
+def diagonal(points: np.ndarray) -> float:
     """Length of the diagonal of the bounding box."""
     return float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
 
 
-def coincident_pairs(points, tolerance):
+def coincident_pairs(points: np.ndarray, tolerance: float) -> np.ndarray:
     """All pairs (k, 2) of points no further apart than ``tolerance``."""
     # Sorted along a direction that no mesh line shares, close points are neighbours in the list;
     # comparing at growing distance in the list stops as soon as no projection is close enough.

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -24,7 +27,7 @@ _KINDS = {
 
 
 @contextlib.contextmanager
-def gmsh_model(**options):
+def gmsh_model(**options: float) -> Iterator[ModuleType]:
     """Yield the gmsh module with an empty current model and mesh options set, e.g. Algorithm=6.
 
     Raises ImportError if gmsh is not installed.
@@ -32,7 +35,7 @@ def gmsh_model(**options):
     import gmsh
 
     # One thread: the mesh must not depend on how many cores there are.
-    wanted = {"General.Terminal": 0, "General.NumThreads": 1}
+    wanted: dict[str, float] = {"General.Terminal": 0, "General.NumThreads": 1}
     wanted.update({f"Mesh.{name}": value for name, value in options.items()})
     shared = _is_open(gmsh)
     if shared:
@@ -55,13 +58,16 @@ def gmsh_model(**options):
             gmsh.finalize()
 
 
-def read_msh(path):
+def read_msh(
+    path: str | Path,
+) -> tuple[np.ndarray, list[tuple[str, np.ndarray]], dict[str, list[np.ndarray]]]:
     """Points, cell blocks and cell sets of a .msh file of any version, read by gmsh itself.
 
     Returns ``points`` (n, 3), ``cells`` [(meshio type, (k, nodes))] and ``cell_sets``
     {physical name: rows in each block}. Raises Exception with gmsh's reason if it cannot.
     """
-    cells, sets = [], {}
+    cells: list[tuple[str, np.ndarray]] = []
+    members: dict[str, dict[int, np.ndarray]] = {}
     with gmsh_model() as gmsh:
         gmsh.merge(str(path))
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
@@ -78,11 +84,11 @@ def read_msh(path):
                     name, width = _KINDS[kind]
                     cells.append((name, number[nodes.astype(np.int64)].reshape(-1, width)))
                     for title in titles:
-                        sets.setdefault(title, {})[len(cells) - 1] = np.arange(len(cells[-1][1]))
+                        members.setdefault(title, {})[len(cells) - 1] = np.arange(len(cells[-1][1]))
     empty = np.empty(0, dtype=np.int64)
     sets = {
-        title: [members.get(block, empty) for block in range(len(cells))]
-        for title, members in sets.items()
+        title: [rows.get(block, empty) for block in range(len(cells))]
+        for title, rows in members.items()
     }
     return coordinates.reshape(-1, 3), cells, sets
 

@@ -7,7 +7,10 @@ A mesh too faulty to pass the check is built with ``verify=False``; repairs keep
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .geometry import (
     area_vectors,
@@ -20,6 +23,9 @@ from .geometry import (
 from .subdivide import elevate, split_triangles, to_triangles
 from .topology import boundary_segments, neighbour_lists
 from .validity import MeshError, check_arrays, check_manifold
+
+if TYPE_CHECKING:
+    from .surface import Surface
 
 __all__ = [
     "boundary_loops",
@@ -35,7 +41,12 @@ __all__ = [
 TURNED = {3: [0, 2, 1], 4: [0, 3, 2, 1], 9: [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 
 
-def orient(surface, outward=False, towards=None, majority=False):
+def orient(
+    surface: Surface,
+    outward: bool = False,
+    towards: ArrayLike | None = None,
+    majority: bool = False,
+) -> Surface:
     """Turn cells so that all neighbours face the same side.
 
     Each connected piece keeps the side of its first cell, unless a preference is given.
@@ -76,10 +87,10 @@ def orient(surface, outward=False, towards=None, majority=False):
     elif towards is not None:
         direction = np.asarray(towards, dtype=np.float64)
         if direction.shape != (3,) or not np.linalg.norm(direction) > 0.0:
-            raise ValueError(f"towards must be a vector of three components, not {towards}")
+            raise ValueError(f"towards must be a vector of three components, not {towards!r}")
         score = np.bincount(piece, vectors @ direction)
     else:
-        score = np.ones(piece.max() + 1)
+        score = np.ones(piece.max() + 1, float)
     turn ^= (score < 0.0)[piece]
     if not turn.any():
         return surface
@@ -117,7 +128,7 @@ def _flood(cells, source):
     return np.array(turn), np.array(piece)
 
 
-def merge_duplicates(surface, tolerance=None):
+def merge_duplicates(surface: Surface, tolerance: float | None = None) -> Surface:
     """Join points no further apart than ``tolerance`` [m]; default 1e-9 of the bounding box.
 
     The first point of each group stays where it is and takes the mean director. Joining closes
@@ -150,7 +161,7 @@ def merge_duplicates(surface, tolerance=None):
     return _renumbered(surface, label, directors)
 
 
-def clean(surface):
+def clean(surface: Surface) -> Surface:
     """Drop points that belong to no cell, and the edge segments that name them."""
     return _renumbered(surface, np.arange(len(surface.points)), surface.directors)
 
@@ -175,14 +186,14 @@ def _renumbered(surface, label, directors):
     )
 
 
-def boundary_loops(surface):
+def boundary_loops(surface: Surface) -> list[np.ndarray]:
     """Closed boundary lines as ordered point indices, longest first.
 
     Each is an array (k,) with the surface on its left; the last point joins the first. For 9-node
     cells corners and middles alternate.
     """
     segments = boundary_segments(surface.cells)
-    leaving = {}
+    leaving: dict[int, list[int]] = {}
     for row, tail in enumerate(segments[:, 0].tolist()):
         leaving.setdefault(tail, []).append(row)
     loops = []
@@ -205,7 +216,7 @@ def boundary_loops(surface):
     return sorted(loops, key=length, reverse=True)
 
 
-def scaled_jacobian(surface):
+def scaled_jacobian(surface: Surface) -> np.ndarray:
     """Shape quality of each cell (m,): the smallest sine of its corner angles.
 
     1 for a rectangle, sqrt(3) / 2 for an equilateral triangle, 0 or less for a folded corner;

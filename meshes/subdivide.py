@@ -5,9 +5,16 @@ straight quads to 9-node ones. Named edges, panels and warp directions are carri
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .topology import cut_quads, directed_edges, edge_keys, neighbour_lists, unique_edges
+
+if TYPE_CHECKING:
+    from .surface import Surface
 
 
 def _unit_mean(vectors):
@@ -17,7 +24,7 @@ def _unit_mean(vectors):
     return np.where(lengths > 1e-8, sums / np.maximum(lengths, 1e-8), vectors[:, 0])
 
 
-def halve(segments, edges, middles, size):
+def halve(segments: np.ndarray, edges: np.ndarray, middles: np.ndarray, size: int) -> np.ndarray:
     """Rows [tail, middle, head] of segments (k, 2), looked up among edges (j, 2) with middles (j,).
 
     Segments that are not among the edges get the middle -1.
@@ -32,7 +39,15 @@ def halve(segments, edges, middles, size):
     return np.stack([segments[:, 0], found, segments[:, 1]], axis=1)
 
 
-def add_middles(points, blocks, directors=None):
+def add_middles(
+    points: np.ndarray, blocks: list[np.ndarray], directors: np.ndarray | None = None
+) -> tuple[
+    np.ndarray,
+    np.ndarray | None,
+    list[np.ndarray],
+    list[np.ndarray],
+    Callable[[np.ndarray], np.ndarray],
+]:
     """New points in the middle of every edge and every cell.
 
     Parameters
@@ -51,7 +66,7 @@ def add_middles(points, blocks, directors=None):
     first, number, _ = unique_edges(edges, size)
     ends = edges[first]
     new_points = [points, points[ends].mean(axis=1)]
-    new_directors = None if directors is None else [directors, _unit_mean(directors[ends])]
+    turned = [] if directors is None else [directors, _unit_mean(directors[ends])]
     middles, centres = [], []
     row, next_centre = 0, size + len(first)
     for block in blocks:
@@ -59,19 +74,23 @@ def add_middles(points, blocks, directors=None):
         centres.append(next_centre + np.arange(len(block)))
         new_points.append(points[block].mean(axis=1))
         if directors is not None:
-            new_directors.append(_unit_mean(directors[block]))
+            turned.append(_unit_mean(directors[block]))
         row += block.size
         next_centre += len(block)
 
     def cut(segments):
         return halve(segments, ends, size + np.arange(len(ends)), size)
 
-    if directors is not None:
-        new_directors = np.concatenate(new_directors)
+    new_directors = None if directors is None else np.concatenate(turned)
     return np.concatenate(new_points), new_directors, middles, centres, cut
 
 
-def split_blocks(points, blocks, edges, directors=None):
+def split_blocks(
+    points: np.ndarray,
+    blocks: list[np.ndarray],
+    edges: dict[str, np.ndarray],
+    directors: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray], np.ndarray | None, np.ndarray]:
     """Cut every cell of a conforming mesh into quads through its edge middles and its centre.
 
     A triangle gives three quads, a quad four. Returns points, quads, edges, directors and
@@ -90,13 +109,15 @@ def split_blocks(points, blocks, edges, directors=None):
     return points, np.concatenate(quads), edges, directors, np.concatenate(parents)
 
 
-def carry(panels, warp, parents):
+def carry(
+    panels: dict[str, np.ndarray], warp: np.ndarray | None, parents: np.ndarray
+) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
     """Panels and warp of new cells, each of which lies in the old cell ``parents`` (k,)."""
     panels = {name: np.flatnonzero(np.isin(parents, cells)) for name, cells in panels.items()}
-    return panels, warp if np.ndim(warp) != 2 else warp[parents]
+    return panels, warp if warp is None or warp.ndim != 2 else warp[parents]
 
 
-def split_triangles(surface):
+def split_triangles(surface: Surface) -> Surface:
     """Cut each triangle into three quads through its edge middles and its centre.
 
     The surface stays the same, the named edges get twice as many segments. Raises ValueError for
@@ -113,7 +134,7 @@ def split_triangles(surface):
     )
 
 
-def to_triangles(surface, pattern="alternating"):
+def to_triangles(surface: Surface, pattern: str = "alternating") -> Surface:
     """Cut each 4-node quad into two triangles; points and named edges stay.
 
     Parameters
@@ -167,7 +188,7 @@ def _checkerboard(cells):
     return np.array(odd)
 
 
-def elevate(surface, project=None):
+def elevate(surface: Surface, project: Callable[[np.ndarray], ArrayLike] | None = None) -> Surface:
     """Turn 4-node quads into 9-node cells.
 
     Parameters

@@ -8,9 +8,12 @@ may rely on an oriented manifold of good cells. Repairs start from ``verify=Fals
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import geometry
 from .geometry import nodal_normals
@@ -18,10 +21,12 @@ from .subdivide import halve
 from .topology import boundary_segments, chain, directed_edges
 from .validity import MeshError, check
 
+Locator = Callable[[np.ndarray], np.ndarray]  # points (n, 3) -> True for those that are chosen (n,)
+
 __all__ = ["MeshError", "Surface", "check", "nodal_normals"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """A shell's middle surface.
 
@@ -41,6 +46,13 @@ class Surface:
     Raises
     ------
     MeshError : as described in `check`.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    >>> meshes.Surface(corners, [(0, 1, 2, 3)], {"hem": [(0, 1)]}, source="square")
+    Surface(square: 4 points, 1 quadrilateral of degree 1; edges hem)
     """
 
     points: np.ndarray
@@ -74,6 +86,13 @@ class Surface:
                         f"{self.source}: {error}; give the directors or separate the points."
                     ) from None
 
+    def __repr__(self):
+        count = len(self.cells)
+        kind = f"{count} {self.kind}{'' if count == 1 else 's'} of degree {self.degree}"
+        edges = f"; edges {', '.join(self.edges)}" if self.edges else ""
+        panels = f"; panels {', '.join(self.panels)}" if self.panels else ""
+        return f"Surface({self.source}: {len(self.points)} points, {kind}{edges}{panels})"
+
     def _floats(self, name, value):
         try:
             return np.array(value, dtype=np.float64, order="C")
@@ -91,42 +110,42 @@ class Surface:
             raise MeshError(f"{self.source}: {name} must be an array of whole numbers.") from None
 
     @property
-    def degree(self):
+    def degree(self) -> int:
         """1 for straight cells, 2 for 9-node cells."""
         return 2 if self.cells.shape[1] == 9 else 1
 
     @property
-    def kind(self):
+    def kind(self) -> str:
         """'triangle' or 'quadrilateral'."""
         return "triangle" if self.cells.shape[1] == 3 else "quadrilateral"
 
     @property
-    def cell_areas(self):
+    def cell_areas(self) -> np.ndarray:
         """Area of each cell (m,) in m^2."""
         return geometry.cell_areas(self.points, self.cells)
 
     @property
-    def area(self):
+    def area(self) -> float:
         """Area of the surface in m^2."""
         return float(self.cell_areas.sum())
 
     @property
-    def mean_cell_size(self):
+    def mean_cell_size(self) -> float:
         """Square root of the mean cell area, in m."""
         return float(np.sqrt(self.cell_areas.mean()))
 
     @property
-    def bounds(self):
+    def bounds(self) -> np.ndarray:
         """Lowest and highest coordinates (2, 3) in m."""
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
-    def replace(self, **changes):
+    def replace(self, **changes: Any) -> Surface:
         """A copy with other fields; new points or cells without directors get new directors."""
         if ("points" in changes or "cells" in changes) and "directors" not in changes:
             changes["directors"] = None
         return dataclasses.replace(self, **changes)
 
-    def with_edges(self, **lines):
+    def with_edges(self, **lines: ArrayLike | Locator) -> Surface:
         """A copy with further named edges.
 
         Parameters
@@ -169,7 +188,12 @@ class Surface:
         size = int(max(len(self.points), line.max() + 1))
         return halve(line, known, known[:, 2], size)[:, [0, 2, 1]]
 
-    def transform(self, rotation=None, translation=None, scale=None):
+    def transform(
+        self,
+        rotation: ArrayLike | None = None,
+        translation: ArrayLike | None = None,
+        scale: float | None = None,
+    ) -> Surface:
         """A copy at scale * rotation @ x + translation.
 
         Parameters

@@ -8,14 +8,15 @@ edge is a row [tail, head] or, for 9-node cells, [tail, head, middle].
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 
-def corner_count(cells):
+def corner_count(cells: np.ndarray) -> int:
     """Number of corners of the cells (m, 3 | 4 | 9): 3 or 4."""
     return 3 if cells.shape[1] == 3 else 4
 
 
-def directed_edges(cells):
+def directed_edges(cells: np.ndarray) -> np.ndarray:
     """Edges of every cell in its own direction of travel.
 
     Returns (m * corners, 2 | 3); row r belongs to cell r // corners.
@@ -28,13 +29,13 @@ def directed_edges(cells):
     return np.stack(columns, axis=-1).reshape(-1, len(columns))
 
 
-def edge_keys(edges, size):
+def edge_keys(edges: np.ndarray, size: int) -> np.ndarray:
     """One integer for each undirected edge (k, 2 | 3); ``size`` exceeds every point index."""
     ends = edges[:, :2]
     return ends.min(axis=1) * np.int64(size) + ends.max(axis=1)
 
 
-def unique_edges(edges, size):
+def unique_edges(edges: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Undirected edges once each.
 
     Returns ``first`` (row of the first occurrence), ``number`` (unique edge of each row) and
@@ -46,14 +47,14 @@ def unique_edges(edges, size):
     return first, number, count
 
 
-def boundary_segments(cells):
+def boundary_segments(cells: np.ndarray) -> np.ndarray:
     """Edges that belong to one cell only, (k, 2 | 3), directed with the cell on their left."""
     edges = directed_edges(cells)
     first, _, count = unique_edges(edges, cells.max() + 1)
     return edges[np.sort(first[count == 1])]
 
 
-def neighbours(cells):
+def neighbours(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of cells with a common edge.
 
     Returns ``pairs`` (k, 2) and ``opposed`` (k,): True where both travel the edge in the same
@@ -68,17 +69,17 @@ def neighbours(cells):
     return pairs, edges[one, 0] == edges[other, 0]
 
 
-def neighbour_lists(cells):
+def neighbour_lists(cells: np.ndarray) -> list[list[tuple[int, bool]]]:
     """For each cell a list of (neighbour, opposed)."""
     pairs, opposed = neighbours(cells)
-    lists = [[] for _ in range(len(cells))]
+    lists: list[list[tuple[int, bool]]] = [[] for _ in range(len(cells))]
     for (one, other), against in zip(pairs.tolist(), opposed.tolist()):
         lists[one].append((other, against))
         lists[other].append((one, against))
     return lists
 
 
-def segments_of_line(indices, degree=1):
+def segments_of_line(indices: ArrayLike, degree: int = 1) -> np.ndarray:
     """Consecutive point indices of one line as rows [tail, head] or [tail, head, middle]."""
     indices = np.asarray(indices, dtype=np.int64)
     if degree == 1:
@@ -86,7 +87,7 @@ def segments_of_line(indices, degree=1):
     return np.stack([indices[:-2:2], indices[2::2], indices[1:-1:2]], axis=1)
 
 
-def chain(segments):
+def chain(segments: np.ndarray) -> np.ndarray:
     """Order segments (k, 2 | 3) head to tail, piece after piece.
 
     Segments that branch (a point with more than two of them) have no such order and are returned
@@ -97,16 +98,16 @@ def chain(segments):
     _, degree = np.unique(segments[:, :2], return_counts=True)
     if degree.max() > 2:
         return segments
-    rows_at = {}
-    for row, (tail, head) in enumerate(segments[:, :2].tolist()):
-        rows_at.setdefault(tail, []).append(row)
-        rows_at.setdefault(head, []).append(row)
+    rows_at: dict[int, list[int]] = {}
+    for number, (tail, head) in enumerate(segments[:, :2].tolist()):
+        rows_at.setdefault(tail, []).append(number)
+        rows_at.setdefault(head, []).append(number)
     # Open pieces must be entered at an end; a loop may be entered anywhere, so tails follow.
     open_tails = [t for t in segments[:, 0].tolist() if len(rows_at[t]) == 1]
     open_heads = [h for h in segments[:, 1].tolist() if len(rows_at[h]) == 1]
     ordered, used = [], set()
     for point in open_tails + open_heads + segments[:, 0].tolist():
-        row = next((r for r in rows_at[point] if r not in used), None)
+        row: int | None = next((r for r in rows_at[point] if r not in used), None)
         while row is not None:
             used.add(row)
             segment = segments[row].copy()
@@ -118,7 +119,7 @@ def chain(segments):
     return np.array(ordered)
 
 
-def cut_quads(cells, odd):
+def cut_quads(cells: np.ndarray, odd: ArrayLike) -> np.ndarray:
     """Two triangles for each quad (m, 4): diagonal 0-2, or 1-3 where ``odd`` (m,) is True."""
     patterns = np.array([[[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]])
     chosen = patterns[np.asarray(odd, dtype=np.int64)]

@@ -8,18 +8,31 @@ Nothing is guessed about units here: a benchmark may well be ten metres or ten m
 from __future__ import annotations
 
 import warnings
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .geometry import area_vectors, coincident_pairs, diagonal, mean_normals, node_crosses
 from .topology import corner_count, directed_edges, edge_keys, neighbours, unique_edges
 
+if TYPE_CHECKING:
+    from .surface import Surface
+
 
 class MeshError(ValueError):
-    """A mesh that cannot be used; the message names the mesh, the item and the mend."""
+    """A mesh that cannot be used; the message names the mesh, the item and the mend.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    >>> meshes.Surface(corners, [(0, 1, 2, 4)])
+    Traceback (most recent call last):
+    meshes.validity.MeshError: surface: ...
+    """
 
 
-def check(surface):
+def check(surface: Surface) -> None:
     """Raise MeshError for the first fault of a Surface; warn about coincident points.
 
     Directors that are None are passed over. All tests are vectorised over cells and points.
@@ -35,7 +48,7 @@ def check(surface):
     _warn_coincident(surface)
 
 
-def check_arrays(points, cells, source):
+def check_arrays(points: np.ndarray, cells: np.ndarray, source: str) -> None:
     """Raise MeshError unless points and cells are finite, well shaped and refer to each other."""
     if points.size == 0 or cells.size == 0:
         raise MeshError(
@@ -113,7 +126,7 @@ def _check_shapes(points, cells, source):
         )
 
 
-def check_manifold(cells, source):
+def check_manifold(cells: np.ndarray, source: str) -> None:
     """Raise MeshError for two equal cells or an edge of more than two cells."""
     ordered = np.sort(cells, axis=1)
     rank = np.lexsort(ordered.T)

@@ -1,28 +1,120 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """shellform: clothing mechanics.
 
-A garment of director shells (Man, Swan, Rahmatalla, "A clothing modeling framework for uniform and
-armor system design"), its fabric, its supports and loads. The names below are loaded when first
+A garment of director shells in contact with a moving body, and the torque it exerts about the
+wearer's joints (Man, Swan, Rahmatalla, "A clothing modeling framework for uniform and armor system
+design").
+
+    import shellform as sf
+
+has all that is listed below; `meshes` makes and reads the surfaces. A name is loaded when first
 used, so that reading a fabric card or drawing a picture does not start the finite elements.
 """
 
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from contact.body.segments import Body, Fixed, Segment
+    from contact.solver.friction import Friction
+    from meshes import MeshError
+
+    from .contact_coupling.contact import Contact
+    from .dynamics.explicit import Newmark
+    from .dynamics.implicit import ImplicitNewmark
+    from .dynamics.mass_spring import Particles
+    from .errors import NotConverged, Stopped, Unstable
+    from .fem.shell import Shell
+    from .material.card import read_fabric
+    from .material.fabric import Fabric, FabricError
+    from .material.laminate import Ply
+    from .motion.capture.read_motion import read_motion
+    from .motion.gait.synthetic_walk import synthetic_walk
+    from .motion.wearer import Wearer
+    from .results.joint_torque import Torque
+    from .results.ledger import Ledger
+    from .scene.scene import Scene
+    from .simulation.check import check
+    from .simulation.run import resume, run
+    from .statics.load_stepping import Statics
 
 __version__ = "0.1.0"
 
+__all__ = [  # noqa: RUF022, in the order a reader meets them
+    # fabrics
+    "Fabric",
+    "Ply",
+    "read_fabric",
+    # sheets, at rest and in motion
+    "Shell",
+    "Statics",
+    "Newmark",
+    "ImplicitNewmark",
+    "Particles",
+    # bodies and contact
+    "Body",
+    "Segment",
+    "Fixed",
+    "Friction",
+    "Contact",
+    # the moving wearer
+    "read_motion",
+    "synthetic_walk",
+    "Wearer",
+    # results
+    "Ledger",
+    "Torque",
+    # scenes
+    "Scene",
+    "check",
+    "run",
+    "resume",
+    # what a run can end with
+    "FabricError",
+    "MeshError",
+    "NotConverged",
+    "Unstable",
+    "Stopped",
+]
+
 _HOMES = {
-    "Fabric": "material.fabric",
-    "FabricError": "material.fabric",
-    "Ply": "material.laminate",
-    "NotConverged": "errors",
-    "Shell": "fem.shell",
-    "Statics": "statics.load_stepping",
+    "Body": "contact.body.segments",
+    "Contact": "shellform.contact_coupling.contact",
+    "Fabric": "shellform.material.fabric",
+    "FabricError": "shellform.material.fabric",
+    "Fixed": "contact.body.segments",
+    "Friction": "contact.solver.friction",
+    "ImplicitNewmark": "shellform.dynamics.implicit",
+    "Ledger": "shellform.results.ledger",
+    "MeshError": "meshes",
+    "Newmark": "shellform.dynamics.explicit",
+    "NotConverged": "shellform.errors",
+    "Particles": "shellform.dynamics.mass_spring",
+    "Ply": "shellform.material.laminate",
+    "Scene": "shellform.scene.scene",
+    "Segment": "contact.body.segments",
+    "Shell": "shellform.fem.shell",
+    "Statics": "shellform.statics.load_stepping",
+    "Stopped": "shellform.errors",
+    "Torque": "shellform.results.joint_torque",
+    "Unstable": "shellform.errors",
+    "Wearer": "shellform.motion.wearer",
+    "check": "shellform.simulation.check",
+    "read_fabric": "shellform.material.card",
+    "read_motion": "shellform.motion.capture.read_motion",
+    "resume": "shellform.simulation.run",
+    "run": "shellform.simulation.run",
+    "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
 
-__all__ = ["Fabric", "FabricError", "NotConverged", "Ply", "Shell", "Statics"]
 
-
-def __getattr__(name):
+def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'shellform' has no attribute '{name}'")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value  # not asked for again
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -11,11 +11,10 @@ Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.tom
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from mpi4py import MPI
-
-from shellform.simulation.figures import draw
 
 from . import console
 
@@ -53,7 +52,7 @@ parts = "distal"            # AJ: which parts count for a joint; "child", or a t
 """
 
 
-def parser():
+def parser() -> argparse.ArgumentParser:
     """Parser of the command line."""
     top = argparse.ArgumentParser(
         prog="shellform",
@@ -83,7 +82,7 @@ def parser():
     run.add_argument(
         "--estimate",
         action="store_true",
-        help="a run with other cells beside, to estimate the error reached",
+        help="a second run with other cells, to estimate the error reached",
     )
     resume = kinds.add_parser(
         "resume", allow_abbrev=False, help="go on with a run that was stopped"
@@ -94,59 +93,73 @@ def parser():
     return top
 
 
-def main(given=None):
+def main(given: Sequence[str] | None = None) -> None:
     """Run the command; `given` is a list of arguments or None for the program's own."""
     options = console.parse(parser(), given)
     if options.do == "new":
-        if options.scene.exists():
-            raise ValueError(f"{options.scene} exists already: give another name")
-        options.scene.write_text(TEMPLATE)
-        return
-    comm = MPI.COMM_WORLD
-    if options.do == "check":
+        _new(options.scene)
+    elif options.do == "check":
+        # here and below: finite elements load only for what needs them
         from shellform.scene.scene_file import read_scene
-        from shellform.simulation.check import plan
+        from shellform.simulation.check import check
 
-        lines = plan(read_scene(options.scene), comm)
-        if comm.rank == 0:
-            print("\n".join(lines))
-        return
-    from shellform.scene.scene_file import read_scene
-
-    if options.do == "trade":
-        from shellform.simulation.error_study import trade
+        console.say(check(read_scene(options.scene)))
+    elif options.do == "trade":
+        from shellform.scene.scene_file import read_scene
+        from shellform.simulation.error_study import cost_table
 
         out = options.out or Path("out/trade") / options.scene.stem
-        console.say(trade(read_scene(options.scene), comm, out if options.measure else None))
-        return
-    from shellform.accuracy.choice import told
-    from shellform.simulation.error_study import check_cells, estimate
-
-    from .simulation import run as activity
-    from .simulation import summary as account
-
-    if options.do == "run":
-        out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
-        if options.estimate:
-            check_cells(scene, "--estimate")
-        results = activity.run(scene, out, comm, options.dressed)
-        if options.estimate:
-            estimate(scene, out, comm)
+        lines = cost_table(read_scene(options.scene), out=out if options.measure else None)
+        console.say(lines)
+    elif options.do == "run":
+        _run(options)
     else:
-        out = options.out
-        results = activity.resume(out, comm)
-    if comm.rank == 0:
-        if not options.no_pictures:
-            draw(out)
-        print("\n".join(account.told(results)))
-        print(told(account.summary_of(out)["accuracy"]))
-        print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
+        from shellform.simulation.run import resume
+
+        _show(options.out, resume(options.out), options.no_pictures)
 
 
-def entry():
+def _new(path: Path) -> None:
+    """Write the commented scene."""
+    if path.exists():
+        raise ValueError(f"{path} exists already: give another name")
+    path.write_text(TEMPLATE)
+
+
+def _run(options: argparse.Namespace) -> None:
+    """Run a scene, and with --estimate a second one with other cells."""
+    from shellform.scene.scene_file import read_scene
+    from shellform.simulation.error_study import check_cells, estimate
+    from shellform.simulation.run import run
+
+    out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
+    if options.estimate:
+        check_cells(scene, "--estimate")
+    results = run(scene, out, dressed=options.dressed)
+    if options.estimate:
+        estimate(scene, out)
+    _show(out, results, options.no_pictures)
+
+
+def _show(out: Path, results: dict, no_pictures: bool) -> None:
+    """Pictures and lines for a person, by rank 0."""
+    if MPI.COMM_WORLD.rank:
+        return
+    from shellform.accuracy.choice import accuracy_line
+    from shellform.simulation.figures import draw
+    from shellform.simulation.summary import summary_lines, summary_of
+
+    if not no_pictures:
+        draw(out)
+    print("\n".join(summary_lines(results)))
+    print(accuracy_line(summary_of(out)["accuracy"]))
+    print(f"wrote {out}/summary.json, torque.csv, ledger.csv, series.pvd")
+
+
+def command() -> None:
     """The installed command."""
     console.run(main)
 
 
 if __name__ == "__main__":
-    entry()
+    command()

@@ -1,17 +1,26 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What every command line shares: PETSc's options, errors in one sentence, progress."""
+"""What every command line shares: PETSc's options, errors and warnings in one sentence, progress.
+
+Under mpirun rank 0 alone speaks: warnings, the bar, the lines of `say`.
+"""
 
 import argparse
+import logging
 import sys
 import time
 import traceback
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 from mpi4py import MPI
 
 from .errors import NotConverged, Stopped, Unstable
 
 
-def parse(parser, arguments=None):
+def parse(
+    parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None
+) -> argparse.Namespace:
     """Parse a command line; options with one dash that the parser does not know go to PETSc.
 
     Parameters
@@ -31,10 +40,10 @@ def parse(parser, arguments=None):
     return known
 
 
-def positive(kind):
+def positive(kind: type) -> Callable[[str], Any]:
     """Type of an argparse argument: a finite number above zero."""
 
-    def convert(text):
+    def convert(text: str) -> Any:
         value = kind(text)
         if not 0 < value < float("inf"):
             raise argparse.ArgumentTypeError(f"must be above zero, not {text}")
@@ -44,7 +53,7 @@ def positive(kind):
     return convert
 
 
-def accuracy(text):
+def accuracy(text: str) -> float:
     """Type of `--accuracy`: a relative error, from the words draft, standard, fine or from N%."""
     from shellform.accuracy.choice import relative_error
 
@@ -54,14 +63,15 @@ def accuracy(text):
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
-def say(lines):
+def say(lines: Iterable[str]) -> None:
     """Print lines on rank 0."""
     if MPI.COMM_WORLD.rank == 0:
         print("\n".join(lines), flush=True)
 
 
-def run(main, arguments=None):
-    """Call main(arguments); end all ranks on an error, told in one sentence where it is known."""
+def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
+    """Call main(arguments); end all ranks on an error, in one sentence where it is known."""
+    be_quiet()
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     world = MPI.COMM_WORLD
     try:
@@ -75,7 +85,7 @@ def run(main, arguments=None):
         message, code = f"{sys.argv[0]}: interrupted", 130
     except Exception:
         message, code = traceback.format_exc(), 1
-    # one voice: an error that all ranks meet is told by rank 0, which then ends the others
+    # one voice: an error that all ranks meet is printed by rank 0, which then ends the others
     time.sleep(0.3 * world.rank)
     print(message, file=sys.stderr, flush=True)
     if world.size > 1:
@@ -83,7 +93,23 @@ def run(main, arguments=None):
     sys.exit(code)
 
 
-def progress(iterable, total, label):
+def be_quiet() -> None:
+    """Warnings of ours as sentences of rank 0; nothing of what other packages log."""
+    warnings.showwarning = _show_warning
+    # packages below log to the root logger, some by logging.info, which would set it up: it stays
+    # as quiet as it is before
+    root = logging.getLogger()
+    if not root.handlers:
+        root.addHandler(logging.NullHandler())
+
+
+def _show_warning(message, category, filename, lineno, file=None, line=None):
+    """In place of warnings.showwarning: what is wrong, not the file of ours that noticed."""
+    if MPI.COMM_WORLD.rank == 0:
+        print(f"warning: {message}", file=file or sys.stderr, flush=True)
+
+
+def progress(iterable: Iterable, total: int, label: str) -> Iterable:
     """Pass items through, with a bar on rank 0's terminal and none elsewhere."""
     if MPI.COMM_WORLD.rank or not sys.stderr.isatty():
         return iterable

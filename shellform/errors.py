@@ -21,4 +21,13 @@ class Unstable(RuntimeError):
 
 
 class Stopped(RuntimeError):
-    """The run was interrupted; what it had reached is kept, the message says how to go on."""
+    """The run was interrupted; what it had reached is kept, the message says how to go on.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> try:
+    ...     sf.run(sf.Scene(), "out/walk")  # doctest: +SKIP
+    ... except sf.Stopped:  # Ctrl-C was pressed
+    ...     sf.resume("out/walk")
+    """

@@ -2,11 +2,12 @@
 """Centre and axes of a segment from two joint points and a marker, Eq. 17."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 COLLINEAR = 1e-6  # of a marker's offset from the line J1-J2, over |J2 - J1|
 
 
-def pose_from_markers(J1, J2, M):
+def pose_from_markers(J1: ArrayLike, J2: ArrayLike, M: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Centre and axes of segments from two joint points and a marker, Eq. 17.
 
     Parameters

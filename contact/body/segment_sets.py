@@ -5,31 +5,29 @@ Of a body of up to 62 segments bit b stands for segment b; of a larger one a bit
 segments on one carrier, or for all from the 63rd on.
 """
 
+from collections.abc import Hashable, Sequence
+
 import numpy as np
 
 SETS = 62  # bits of a set
 
 
-def bits_of(body):
-    """Bits (m,) int of the segments in sets.
+def bits_of(carriers: Sequence[Hashable]) -> np.ndarray:
+    """Bits (m,) int of the segments in sets, from what each rides on (`Body.carriers`).
 
-    Each its own, if they are no more than SETS; else one for each of the `carriers` that a Wearer
-    has; else the last bit for all that are over.
+    Each its own, if they are no more than SETS; else one for each of the carriers; else the last
+    bit for all that are over.
     """
-    m = len(body.radii)
-    carriers = list(getattr(body, "carriers", range(m)))
+    m = len(carriers)
     kinds = list(dict.fromkeys(carriers))
     if m > SETS and len(kinds) <= SETS:
         return np.array([kinds.index(carrier) for carrier in carriers], np.int64)
     return np.minimum(np.arange(m), SETS)
 
 
-def mates_of(body):
-    """Sets (m,) of the ellipsoids that move as one with each: that have the same entry in the
-    `carriers` of a body that has them, as a Wearer; else each alone."""
-    bits = bits_of(body)
-    names = getattr(body, "carriers", range(len(bits)))
-    sets = {}
-    for name, bit in zip(names, bits, strict=True):
-        sets[name] = sets.get(name, 0) | 1 << int(bit)
-    return np.array([sets[name] for name in names], np.int64)
+def moving_together(carriers: Sequence[Hashable]) -> np.ndarray:
+    """Sets (m,) int of the segments that ride on the same carrier as each."""
+    sets: dict[Hashable, int] = {}
+    for carrier, bit in zip(carriers, bits_of(carriers), strict=True):
+        sets[carrier] = sets.get(carrier, 0) | 1 << int(bit)
+    return np.array([sets[carrier] for carrier in carriers], np.int64)

@@ -1,20 +1,24 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The body: named ellipsoids in prescribed rigid motion, posed by markers (Eq. 17).
+"""The body: named segments in prescribed rigid motion, posed by markers (Eq. 17).
 
-A segment has constant semi-axes and a motion; its motion gives the pose (centre, axes, velocity of
-the centre, spin) at any time. Axes are rows e1, e2, e3: local coordinates are axes @ (x - centre).
+A segment has a constant shape, an ellipsoid or another, and a motion; its motion gives the pose
+(centre, axes, velocity of the centre, spin) at any time. Axes are rows e1, e2, e3: local
+coordinates are axes @ (x - centre).
 """
 
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import Any, NamedTuple, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from contact.geometry.ellipsoid import Ellipsoid, ellipsoid
+from contact.geometry.shape import SHAPES, Shape
 from contact.kernel import kernel
 
 from .segment_sets import bits_of
 
 TOLERANCE = 1e-9  # of axes @ axes.T against the identity
-SLENDER = 1e9  # longest over shortest semi-axis: from there on roundoff of one exceeds the other
 
 
 class Pose(NamedTuple):
@@ -41,11 +45,11 @@ class Fixed:
 
     moves = False
 
-    def __init__(self, centre=(0.0, 0.0, 0.0), axes=None):
+    def __init__(self, centre: ArrayLike = (0.0, 0.0, 0.0), axes: ArrayLike | None = None):
         self.centre = np.array(centre, float)
         self.axes = np.eye(3) if axes is None else np.array(axes, float)
 
-    def pose(self, t):
+    def pose(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Centre, axes, velocity, spin at time t [s]."""
         return self.centre, self.axes, np.zeros(3), np.zeros(3)
 
@@ -63,52 +67,52 @@ class Steady(Fixed):
     moves = True
 
     def __init__(
-        self, centre=(0.0, 0.0, 0.0), axes=None, velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0)
+        self,
+        centre: ArrayLike = (0.0, 0.0, 0.0),
+        axes: ArrayLike | None = None,
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        spin: ArrayLike = (0.0, 0.0, 0.0),
     ):
         super().__init__(centre, axes)
         self.velocity = np.array(velocity, float)
         self.spin = np.array(spin, float)
 
-    def pose(self, t):
+    def pose(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Centre, axes, velocity, spin at time t [s]."""
         axes = turned(self.axes, self.spin * t)
         return self.centre + t * self.velocity, axes, self.velocity, self.spin
 
 
 class Segment:
-    """One ellipsoid of the body.
+    """One rigid part of the body.
 
     Parameters
     ----------
     name : str
-    radii : (3,) float, semi-axes along e1, e2, e3 [m]
+    shape : (3,) float, semi-axes along e1, e2, e3 [m]; or a `contact.geometry.shape.Shape`
     motion : object with pose(t), or a function of t; both return (centre, axes, velocity, spin).
         A motion whose attribute `moves` is False is asked once only.
     """
 
-    def __init__(self, name, radii, motion):
+    def __init__(self, name: str, shape: Shape | ArrayLike, motion: Any):
         if not (isinstance(name, str) and name):
             raise ValueError(f"a segment needs a name, not {name!r}")
-        self.name, self.radii, self.motion = name, semi_axes(name, radii), motion
+        self.name, self.motion = name, motion
+        given = isinstance(shape, SHAPES)
+        self.shape: Shape = cast(Shape, shape) if given else ellipsoid(name, cast(ArrayLike, shape))
         self.pose = motion.pose if hasattr(motion, "pose") else motion
         self.moves = getattr(motion, "moves", True)
 
-
-def semi_axes(name, radii):
-    """Checked semi-axes (3,) [m] of the segment `name`; ValueError if they make no ellipsoid."""
-    radii = np.array(radii, float)
-    if radii.shape != (3,) or not (np.isfinite(radii).all() and (radii > 0).all()):
-        raise ValueError(f"segment '{name}' needs three finite radii > 0 [m], not {radii}")
-    if radii.max() > SLENDER * radii.min():
-        raise ValueError(
-            f"segment '{name}' has radii from {radii.min():.3g} to {radii.max():.3g} m, more than "
-            f"{SLENDER:.0g} apart; make the longest shorter"
-        )
-    return radii
+    @property
+    def radii(self) -> np.ndarray:
+        """Semi-axes (3,) [m] of an ellipsoid; ValueError for other shapes."""
+        if not isinstance(self.shape, Ellipsoid):
+            raise ValueError(f"segment '{self.name}' is no ellipsoid but a {self.shape}")
+        return np.array(self.shape.radii)
 
 
 class Body:
-    """Named ellipsoids; any object with names, radii, new_pose() and pose(t, out) can stand in.
+    """Named segments; any object with these attributes, new_pose() and pose(t, out) can stand in.
 
     Parameters
     ----------
@@ -117,10 +121,11 @@ class Body:
     Attributes
     ----------
     names : tuple of str
-    radii : (m, 3) float, semi-axes [m]
+    shapes : tuple of m `contact.geometry.shape.Shape`
+    carriers : tuple of m names of what the segments ride on: those with the same move as one
     """
 
-    def __init__(self, segments):
+    def __init__(self, segments: Iterable[Segment]):
         self.segments = tuple(segments)
         if not self.segments:
             raise ValueError("a body needs at least one segment")
@@ -128,24 +133,30 @@ class Body:
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
             raise ValueError(f"segments need different names, found twice: {', '.join(twice)}")
-        self.radii = np.array([segment.radii for segment in self.segments])
+        self.shapes = tuple(segment.shape for segment in self.segments)
+        self.carriers = self.names
         self._moving = [k for k, segment in enumerate(self.segments) if segment.moves]
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.segments)
 
-    def index(self, name):
+    @property
+    def radii(self) -> np.ndarray:
+        """Semi-axes (m, 3) [m] of a body of ellipsoids; ValueError where one is another shape."""
+        return np.array([segment.radii for segment in self.segments])
+
+    def index(self, name: str) -> int:
         """Number of the segment called `name`."""
         if name not in self.names:
             raise ValueError(f"no segment '{name}'; there are: {', '.join(self.names)}")
         return self.names.index(name)
 
-    def mask(self, names):
-        """Set of the named segments as a whole number, see `contact.travel.bits_of`.
+    def mask(self, names: Iterable[str]) -> int:
+        """Set of the named segments as a whole number, see `contact.body.segment_sets.bits_of`.
 
         ValueError where a bit stands for others besides.
         """
-        bits, which = bits_of(self), sorted({self.index(name) for name in names})
+        bits, which = bits_of(self.carriers), sorted({self.index(name) for name in names})
         out = 0
         for k in which:
             out |= 1 << int(bits[k])
@@ -158,13 +169,13 @@ class Body:
                 )
         return out
 
-    def new_pose(self, t=0.0):
+    def new_pose(self, t: float = 0.0) -> Pose:
         """Arrays for `pose`, filled at time t [s]; segments at rest are set here for good."""
         m = len(self.segments)
         out = Pose(*(np.zeros(shape) for shape in ((m, 3), (m, 3, 3), (m, 3), (m, 3))))
         return self._fill(range(m), t, out)
 
-    def pose(self, t, out):
+    def pose(self, t: float, out: Pose) -> Pose:
         """Pose at time t [s], written into arrays from `new_pose`; returns them.
 
         Raises
@@ -193,7 +204,7 @@ class Body:
         if k >= 0:
             raise ValueError(f"motion of segment '{self.names[k]}' is not finite at t = {t:.6g} s")
 
-    def accelerations(self, t, step=1e-4):
+    def accelerations(self, t: float, step: float = 1e-4) -> tuple[np.ndarray, np.ndarray]:
         """Accelerations of the centres (m, 3) [m/s^2] and of the spins (m, 3) [rad/s^2].
 
         Central differences of the velocities over 2 `step` [s].
@@ -228,7 +239,7 @@ def _first_bad(centres, axes, velocities, spins):
 
 
 @kernel
-def turned(axes, angle):
+def turned(axes: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Rows of axes (3, 3) turned by the rotation vector angle (3,) [rad] (Rodrigues)."""
     size = np.sqrt(angle[0] ** 2 + angle[1] ** 2 + angle[2] ** 2)
     out = axes.copy()

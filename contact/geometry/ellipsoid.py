@@ -11,17 +11,23 @@ the pole next to the root at zero, so it keeps its relative precision however cl
 plane the point lies; that holds the level error at roundoff for every aspect. In that plane, inside
 the focal curve, w = 0 and there are two feet; the one on the positive side is taken, for a sphere's
 centre the one on the last axis.
+
+`Ellipsoid` is the shape of a segment (shape.py).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from contact.kernel import kernel
 
+SLENDER = 1e9  # longest over shortest semi-axis: from there on roundoff of one exceeds the other
 MAX_ITERATIONS = 200  # below 20 are needed, log-bisections included
 
 
 @kernel
-def level(x, radii):
+def level(x: np.ndarray, radii: np.ndarray) -> float:
     """Left side of Eq. 15: negative inside, zero on the surface.
 
     Parameters
@@ -75,7 +81,9 @@ def _root(z0, z1, z2, e0, e1, e2):
 
 
 @kernel
-def foot_and_normal(y0, y1, y2, r0, r1, r2):
+def foot_and_normal(
+    y0: float, y1: float, y2: float, r0: float, r1: float, r2: float
+) -> tuple[float, float, float, float, float, float, float]:
     """Closest point of the surface; scalars in and out, as the contact loop needs no arrays.
 
     Returns
@@ -129,7 +137,7 @@ def foot_and_normal(y0, y1, y2, r0, r1, r2):
 
 
 @kernel
-def closest_point(y, radii, foot, normal):
+def closest_point(y: np.ndarray, radii: np.ndarray, foot: np.ndarray, normal: np.ndarray) -> float:
     """Closest point of the surface of one ellipsoid to a point.
 
     Parameters
@@ -154,7 +162,12 @@ def _closest_points(points, radii, feet, normals, distances):
         distances[i] = closest_point(points[i], radii, feet[i], normals[i])
 
 
-def closest_points(points, radii, centre=(0.0, 0.0, 0.0), axes=None):
+def closest_points(
+    points: ArrayLike,
+    radii: ArrayLike,
+    centre: ArrayLike = (0.0, 0.0, 0.0),
+    axes: ArrayLike | None = None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Closest points of the surface of one ellipsoid to many points.
 
     Parameters
@@ -174,3 +187,70 @@ def closest_points(points, radii, centre=(0.0, 0.0, 0.0), axes=None):
     feet, normals, distances = np.empty_like(local), np.empty_like(local), np.empty(len(local))
     _closest_points(local, radii, feet, normals, distances)
     return feet @ axes + centre, normals @ axes, distances
+
+
+def semi_axes(name: str, radii: ArrayLike) -> np.ndarray:
+    """Checked semi-axes (3,) [m] of the segment `name`; ValueError if they make no ellipsoid."""
+    radii = np.array(radii, float)
+    if radii.shape != (3,) or not (np.isfinite(radii).all() and (radii > 0).all()):
+        raise ValueError(f"segment '{name}' needs three finite radii > 0 [m], not {radii}")
+    if radii.max() > SLENDER * radii.min():
+        raise ValueError(
+            f"segment '{name}' has radii from {radii.min():.3g} to {radii.max():.3g} m, more than "
+            f"{SLENDER:.0g} apart; make the longest shorter"
+        )
+    return radii
+
+
+@kernel
+def _foot_and_normal(size, y0, y1, y2):
+    return foot_and_normal(y0, y1, y2, size[0], size[1], size[2])
+
+
+@kernel
+def _least_distance(size, y0, y1, y2):
+    """|y / r| - 1 in shortest radii is never more than the distance."""
+    return (np.sqrt((y0 / size[0]) ** 2 + (y1 / size[1]) ** 2 + (y2 / size[2]) ** 2) - 1.0) * size[
+        3
+    ]
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """The shape of a segment with semi-axes along e1, e2, e3 [m]; see `contact.geometry.shape`."""
+
+    radii: tuple[float, float, float]
+
+    foot_and_normal = staticmethod(_foot_and_normal)
+    least_distance = staticmethod(_least_distance)
+
+    @property
+    def size(self) -> tuple[float, ...]:
+        """The semi-axes and the shortest of them [m]."""
+        return (*self.radii, min(self.radii))
+
+    @property
+    def half_extents(self) -> tuple[float, float, float]:
+        """The semi-axes [m]."""
+        return self.radii
+
+    @property
+    def bounding_radius(self) -> float:
+        """Longest semi-axis [m]."""
+        return max(self.radii)
+
+    @property
+    def inner_radius(self) -> float:
+        """Shortest semi-axis [m]."""
+        return min(self.radii)
+
+    @property
+    def curvature_radius(self) -> float:
+        """Smallest radius of curvature [m], at the ends of the longest axis."""
+        return min(self.radii) * min(self.radii) / max(self.radii)
+
+
+def ellipsoid(name: str, radii: ArrayLike) -> Ellipsoid:
+    """The ellipsoid of the segment `name` from its semi-axes (3,) [m], checked by `semi_axes`."""
+    r0, r1, r2 = semi_axes(name, radii).tolist()
+    return Ellipsoid((r0, r1, r2))

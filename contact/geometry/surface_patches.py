@@ -9,6 +9,7 @@ nothing is lost, and a map stays even where points and patches do not match.
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import ellipe
 
 from contact.kernel import kernel
@@ -18,7 +19,7 @@ GAUSS = 4  # points in each direction of a piece whose area is integrated
 SMALLEST = 1e-3  # patches below this [m] are taken for a mistake in the unit
 
 
-def areas_between(radii, heights, angles):
+def areas_between(radii: np.ndarray, heights: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Areas [m^2] of the pieces of an ellipsoid between heights and angles.
 
     A point is (r1 s, r2 c cos phi, r3 c sin phi), c = sqrt(1 - s^2). By Nanson's formula
@@ -61,7 +62,7 @@ class Patches:
     heights, sectors : (m, KNOTS), part of the area below a height s and before an angle phi
     """
 
-    def __init__(self, radii, size):
+    def __init__(self, radii: ArrayLike, size: float):
         if not (np.isfinite(size) and size >= SMALLEST):
             raise ValueError(f"patches have a size of at least {SMALLEST} m, not {size} m")
         self.radii, self.size = np.array(radii, float).reshape(-1, 3), float(size)
@@ -93,7 +94,7 @@ class Patches:
         self.centres = np.concatenate(centres)
         self.tables = self.radii, self.heights, self.sectors, self.rows, self.columns, self.first
 
-    def values(self, b, places, numbers):
+    def values(self, b: int, places: ArrayLike, numbers: ArrayLike) -> np.ndarray:
         """Numbers (P, ...) of patches, interpolated at places (k, 3) on ellipsoid b, its axes."""
         places = np.ascontiguousarray(places, float)
         which, weights = np.empty((len(places), 4), np.int64), np.empty((len(places), 4))
@@ -103,8 +104,19 @@ class Patches:
 
 @kernel
 def four_nearest(
-    x0, x1, x2, b, radii, heights, sectors, rows, columns, first, which, weights
-):  # fmt: skip
+    x0: float,
+    x1: float,
+    x2: float,
+    b: int,
+    radii: np.ndarray,
+    heights: np.ndarray,
+    sectors: np.ndarray,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    first: np.ndarray,
+    which: np.ndarray,
+    weights: np.ndarray,
+) -> None:
     """Four nearest patches of a point on ellipsoid b and their shares, written into (4,) arrays."""
     u0, u1, u2 = x0 / radii[b, 0], x1 / radii[b, 1], x2 / radii[b, 2]
     last = heights.shape[1] - 1

@@ -21,12 +21,11 @@ h^2/(8 R) outside.
 
 import numpy as np
 
+from contact.body.segments import Body
 from contact.kernel import kernel
 
-from .node_contact import IMPACT
 
-
-def midpoints(k):
+def midpoints(k: int) -> np.ndarray:
     """Weights (k^2, 4) of the middles of k x k parts of a cell, nodes in tensor order."""
     if isinstance(k, bool) or not isinstance(k, (int, np.integer)) or k < 1:
         raise ValueError(f"samples inside cells are k x k points with k = 1, 2, ..., not {k!r}")
@@ -35,37 +34,40 @@ def midpoints(k):
     return np.column_stack([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b])
 
 
-def too_thin(names, radii, cell_size, offset=0.0, k=0):
-    """Sentences on the ellipsoids that can pass between the points of a sheet that are met.
+def too_thin(body: Body, cell_size: float, offset: float = 0.0, k: int = 0) -> list[str]:
+    """Sentences on the segments that can pass between the points of a sheet that are met.
 
     Rows of points are a cell apart, with k x k samples a k-th of it, but no less than half for one
-    sample; an ellipsoid that lies along the rows passes where its thickness and twice the offset
+    sample; a segment that lies along the rows passes where its thickness and twice the offset
     are less.
 
     Parameters
     ----------
-    names : of the ellipsoids; radii : (m, 3), semi-axes [m]
+    body : Body
     cell_size, offset : float [m]; k : int, 0 for the nodes alone
     """
     apart = cell_size / max(k, 2) if k else cell_size
     said = []
-    for name, thick in zip(names, 2 * np.min(radii, axis=1), strict=True):
+    for name, shape in zip(body.names, body.shapes, strict=True):
+        thick = 2 * shape.inner_radius
         if thick + 2 * offset < apart:
             rows = int(np.ceil(cell_size / (thick + 2 * offset)))
             need = rows if rows > 2 else 1
             said.append(
-                f"ellipsoid '{name}' is {1e3 * thick:.3g} mm thick and can pass between points "
+                f"segment '{name}' is {1e3 * thick:.3g} mm thick and can pass between points "
                 f"{1e3 * apart:.3g} mm apart: take smaller cells, or samples={need}"
             )
     return said
 
 
-def shares(cells, weights, nodes):
+def shares(cells: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:
     """W (n,), sum of the weights that all samples have at each node; cells (m, 4), n = nodes."""
     return np.bincount(cells.ravel(), np.tile(weights.sum(axis=0), len(cells)), nodes)
 
 
-def particle_masses(cells, weights, share, mass, fixed):
+def particle_masses(
+    cells: np.ndarray, weights: np.ndarray, share: np.ndarray, mass: np.ndarray, fixed: np.ndarray
+) -> np.ndarray:
     """M (m s,) of the samples [kg], cell by cell; not finite where all nodes are fixed.
 
     Parameters
@@ -79,7 +81,7 @@ def particle_masses(cells, weights, share, mass, fixed):
 
 
 @kernel
-def collect(nodal, cells, weights, out):
+def collect(nodal: np.ndarray, cells: np.ndarray, weights: np.ndarray, out: np.ndarray) -> None:
     """Values (m s, k) of the samples from those of the nodes (n, k)."""
     row = 0
     for cell in cells:
@@ -95,7 +97,7 @@ def collect(nodal, cells, weights, out):
 
 
 @kernel
-def spread(impulse, cells, weights, nodal):
+def spread(impulse: np.ndarray, cells: np.ndarray, weights: np.ndarray, nodal: np.ndarray) -> None:
     """Add the impulses (m s, 3) of the samples to those of the nodes (n, 3 or more)."""
     row = 0
     for cell in cells:
@@ -104,19 +106,3 @@ def spread(impulse, cells, weights, nodal):
                 for c in range(3):
                     nodal[cell[a], c] += w[a] * impulse[row, c]
             row += 1
-
-
-@kernel
-def book_loss(impulse, met, after, segment, table):
-    """Add what is lost beyond what a particle's own meeting was booked with to `table`.
-
-    Parameters
-    ----------
-    impulse : (k, 3) [N s]; met, after : (k, 3), velocity it was booked with and the real one [m/s]
-    segment : (k,) int, -1 without contact; table : (segments, 9), see point.py
-    """
-    for i in range(len(segment)):
-        if segment[i] >= 0:
-            for c in range(3):
-                loss = 0.5 * impulse[i, c] * (met[i, c] - after[i, c])
-                table[segment[i], IMPACT] += loss

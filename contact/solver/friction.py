@@ -13,66 +13,106 @@ j_n = dt |F_N| give f = -F as long as |F_T| <= mu_s |F_N|; sliding, j*/|j*| -> -
 dt -> 0. Two things differ by one step, hence vanish with dt: a node that breaks loose meets mu_k at
 once, where Eq. 16 still has mu_s at v_T = 0; and a sliding node is caught when m |v_T| falls below
 mu_s j_n, not at exactly zero. As mu_k <= mu_s, kinetic friction never turns the slip around.
+
+Another law is a class like `Friction` in a file of its own, with a kernel for its mu_k at a slip
+speed; the cone is the same for all (`cone_kernel`). Numba compiles one set of kernels for each law.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from contact.kernel import kernel
 
-
-@kernel
-def transmitted(normal, trial, mu_s, mu_k):
-    """Fraction of the trial impulse that friction can transmit: 1 in stick, below 1 in slip.
-
-    Parameters
-    ----------
-    normal : float, normal impulse j_n >= 0 [N s]
-    trial : float, length |j*| of the impulse that would end the slip [N s]
-    mu_s, mu_k : float, static and kinetic coefficients, mu_k <= mu_s
-    """
-    if trial <= mu_s * normal:
-        return 1.0
-    return mu_k * normal / trial
+PARAMETERS = 6  # numbers that a law may have
 
 
 @kernel
-def tangential_impulse(normal, trial, mu_s, mu_k, impulse):
-    """Friction impulse for a trial impulse vector.
+def _constant(speed, parameters):
+    return parameters[1]
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb's law with a static and a kinetic coefficient.
+
+    Another law is a frozen class derived from this one with a kernel of its own as
+
+        kinetic_coefficient(speed, parameters) -> mu_k >= 0, and <= static
+
+    of the slip speed [m/s] that is left by the normal impulse, and its numbers as `parameters`, the
+    static coefficient first.
 
     Parameters
     ----------
-    normal : float, normal impulse j_n >= 0 [N s]
-    trial : (3,) float, j* = -m v_T [N s]
-    mu_s, mu_k : float
-    impulse : (3,) float, filled: j_T [N s]
-
-    Returns
-    -------
-    bool, True in stick
-    """
-    size = np.sqrt(trial[0] * trial[0] + trial[1] * trial[1] + trial[2] * trial[2])
-    fraction = transmitted(normal, size, mu_s, mu_k)
-    for k in range(3):
-        impulse[k] = fraction * trial[k]
-    return fraction == 1.0
-
-
-def coefficients(friction):
-    """Checked (mu_s, mu_k) from one number or a pair.
+    static : float
+    kinetic : float or None: the static one
 
     Raises
     ------
     ValueError
-        For a negative or non-finite coefficient, or mu_k > mu_s.
+        For a negative or non-finite coefficient, or a kinetic one above the static one.
     """
+
+    static: float
+    kinetic: float | None = None
+
+    kinetic_coefficient = staticmethod(_constant)
+
+    def __post_init__(self):
+        if self.kinetic is None:
+            object.__setattr__(self, "kinetic", self.static)
+        pair = self.static, self.kinetic
+        if not (np.isfinite(pair).all() and self.kinetic >= 0):
+            raise ValueError(
+                "friction coefficients are finite and not negative, not "
+                f"{self.static}, {self.kinetic}"
+            )
+        if self.kinetic > self.static:
+            raise ValueError(
+                f"kinetic friction {self.kinetic} exceeds static friction {self.static}"
+            )
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """What kernels get: at most PARAMETERS numbers, the static coefficient first."""
+        return self.static, float(self.kinetic)  # type: ignore[arg-type]
+
+
+def as_friction(friction: Friction | ArrayLike) -> Friction:
+    """A law from one coefficient, from the pair (mu_s, mu_k), or a law as it is.
+
+    Raises
+    ------
+    ValueError
+        As `Friction`, and for what is neither.
+    """
+    if isinstance(friction, Friction):
+        return friction
     pair = np.atleast_1d(np.asarray(friction, float))
-    if pair.shape == (1,):
-        pair = np.repeat(pair, 2)
-    if pair.shape != (2,):
+    if pair.shape not in ((1,), (2,)):
         raise ValueError(f"friction is one coefficient or the pair (mu_s, mu_k), not {friction!r}")
-    mu_s, mu_k = (float(mu) for mu in pair)
-    if not (np.isfinite(pair).all() and mu_k >= 0):
-        raise ValueError(f"friction coefficients are finite and not negative, not {mu_s}, {mu_k}")
-    if mu_k > mu_s:
-        raise ValueError(f"kinetic friction {mu_k} exceeds static friction {mu_s}")
-    return mu_s, mu_k
+    return Friction(*pair.tolist())
+
+
+@cache
+def cone_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel of the friction cone of a law.
+
+    transmitted(normal, trial, speed, parameters) gives the fraction of the trial impulse that
+    friction can transmit, 1 in stick and below 1 in slip, from the normal impulse j_n >= 0 [N s],
+    the length |j*| of the impulse that would end the slip [N s], the speed of that slip [m/s] and
+    the numbers of the law.
+    """
+
+    @kernel
+    def transmitted(normal, trial, speed, parameters):
+        if trial <= parameters[0] * normal:
+            return 1.0
+        return kinetic_coefficient(speed, parameters) * normal / trial
+
+    return transmitted

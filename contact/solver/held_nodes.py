@@ -6,14 +6,16 @@ and impulses are shared out among them by passes over the planes: each takes wha
 at most what its cone of friction transmits (friction.py).
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from contact.kernel import kernel
 
-from .friction import transmitted
-from .node_contact import FRICTION, IMPACT, WORK
+from .contact_ledger import book_impulse
+from .friction import cone_kernel
 
 FIXED, OPEN, SLIP, STICK = -1, 0, 1, 2
 PLANES = 3
@@ -40,7 +42,25 @@ class Set(NamedTuple):
     flips: np.ndarray
 
 
-def new(n):
+class SolvedStep(NamedTuple):
+    """A step whose positions are found, n nodes.
+
+    x (n, 3): positions at its end [m]; v (n, 3): velocities advanced by all forces but contact
+    [m/s], changed; v_old (n, 3): those at its start; mean (n, 3): acceleration by all forces but
+    contact; moved (n, 3): displacement in the step [m]; a (n, 3): acceleration at its start
+    [m/s^2]; mass (n,) [kg].
+    """
+
+    x: np.ndarray
+    v: np.ndarray
+    v_old: np.ndarray
+    mean: np.ndarray
+    moved: np.ndarray
+    a: np.ndarray
+    mass: np.ndarray
+
+
+def new(n: int) -> Set:
     """Set of n open nodes."""
     return Set(
         np.zeros(n, np.int64), np.full((n, PLANES), -1), np.zeros((n, PLANES, 3)),
@@ -49,65 +69,77 @@ def new(n):
     )  # fmt: skip
 
 
-def copy(nodes):
+def copy(nodes: Set) -> Set:
     """Copy of a Set."""
     return Set(*(array.copy() for array in nodes))
 
 
-def take(source, target):
+def take(source: Set, target: Set) -> None:
     """Copy one Set into another."""
     for here, there in zip(source, target, strict=True):
         there[:] = here
 
 
 @kernel
-def dot(a, b):
+def dot(a: np.ndarray, b: np.ndarray) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
-def shared(free, surface, normal, owner, mass, mu_s, mu_k, push):
-    """Impulses (or forces) of the planes that hold a node.
+@cache
+def share_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel share(free, surface, normal, owner, mass, rough, speeds, friction, push) of a law.
 
-    Parameters
-    ----------
+    Impulses (or forces) of the planes that hold a node.
+
     free : (3,), velocity before; changed to that after
     surface : (3, 3), velocities of the planes; normal, owner : of one node
-    mass : float [kg]; push : (3, 3), filled
+    mass : float [kg]
+    rough : bool, with friction; speeds : bool, whether `free` is a velocity: the law gets the
+        speed of the slip, else zero
+    friction : numbers of the law, see friction.py; push : (3, 3), filled
 
-    Returns
-    -------
-    sum of the normal impulses; True if all friction that was asked for is transmitted
+    Returns the sum of the normal impulses; True if all friction that was asked for is transmitted.
     """
-    push[:] = 0.0
-    total, whole = 0.0, True
-    for _ in range(PASSES):
-        total, whole, change, count = 0.0, True, 0.0, 0
-        for k in range(PLANES):
-            if owner[k] < 0:
-                continue
-            count += 1
-            n = normal[k]
-            trial = push[k] + mass * (surface[k] - free)
-            along = dot(trial, n)
-            rub = trial - along * n
-            along = max(0.0, along)
-            size = np.sqrt(dot(rub, rub))
-            fraction = transmitted(along, size, mu_s, mu_k) if size > 0.0 else 1.0
-            whole = whole and fraction == 1.0
-            total += along
-            for c in range(3):
-                new = along * n[c] + fraction * rub[c]
-                free[c] += (new - push[k, c]) / mass
-                change = max(change, abs(new - push[k, c]))
-                push[k, c] = new
-        if count == 1 or change <= 1e-14 * total:
-            break
-    return total, whole
+    transmitted = cone_kernel(kinetic_coefficient)
+
+    @kernel
+    def share(free, surface, normal, owner, mass, rough, speeds, friction, push):
+        push[:] = 0.0
+        total, whole = 0.0, True
+        for _ in range(PASSES):
+            total, whole, change, count = 0.0, True, 0.0, 0
+            for k in range(PLANES):
+                if owner[k] < 0:
+                    continue
+                count += 1
+                n = normal[k]
+                trial = push[k] + mass * (surface[k] - free)
+                along = dot(trial, n)
+                tangential = trial - along * n
+                along = max(0.0, along)
+                size = np.sqrt(dot(tangential, tangential))
+                fraction = 1.0
+                if size > 0.0:
+                    speed = size / mass if speeds else 0.0
+                    fraction = transmitted(along, size, speed, friction) if rough else 0.0
+                whole = whole and fraction == 1.0
+                total += along
+                for c in range(3):
+                    new = along * n[c] + fraction * tangential[c]
+                    free[c] += (new - push[k, c]) / mass
+                    change = max(change, abs(new - push[k, c]))
+                    push[k, c] = new
+            if count == 1 or change <= 1e-14 * total:
+                break
+        return total, whole
+
+    return share
 
 
 @kernel
-def constrain(points, nodes, axes, held, goal):
+def constrain(
+    points: np.ndarray, nodes: Set, axes: np.ndarray, held: np.ndarray, goal: np.ndarray
+) -> None:
     """Axes, held directions and displacements along them (Inertial.hold) from the set."""
     for i in range(len(points)):
         axes[i] = 0.0
@@ -157,56 +189,73 @@ def _complete(rows, known):
 
 
 @kernel
-def push(
-    x, v, v_old, mean, moved, a, mass, dt, centres, velocities, spins, law, before, nodes,
-    impulse, book, pushed,
-):  # fmt: skip
-    """Impulses of a solved step on velocities v, booked; returns nodes held, of these in stick."""
-    mu_s, mu_k = law[0], law[1]
-    active = sticking = 0
-    surface, push = np.zeros((PLANES, 3)), np.zeros((PLANES, 3))
-    for i in range(len(x)):
-        if nodes.state[i] <= OPEN:
-            continue
-        for k in range(PLANES):
-            b = nodes.owner[i, k]
-            if b >= 0:
-                for c in range(3):
-                    d, e = (c + 1) % 3, (c + 2) % 3
-                    turn = spins[b, d] * (x[i, e] - centres[b, e])
-                    turn -= spins[b, e] * (x[i, d] - centres[b, d])
-                    surface[k, c] = velocities[b, c] + turn
-        free = v[i].copy()
-        total, whole = shared(
-            free, surface, nodes.normal[i], nodes.owner[i], mass[i], mu_s, mu_k, push
-        )
-        active += 1
-        sticking += whole
-        # positions that velocities did not move: forces did work on that way
-        astray = 0.0
-        sum_of = np.zeros(3)
-        for c in range(3):
-            astray += mass[i] * mean[i, c] * (moved[i, c] - 0.5 * dt * (v_old[i, c] + free[c]))
-        for k in range(PLANES):
-            b = nodes.owner[i, k]
-            if b < 0:
-                continue
-            along = dot(push[k], nodes.normal[i, k])
-            share = along / total if total > 0.0 else (1.0 if k == 0 else 0.0)
+def _velocities_of_planes(x, owner, segments, velocities, spins, surface):
+    """Velocities (PLANES, 3) of the segments that hold a node, at its place at the end."""
+    for k in range(PLANES):
+        b = owner[k]
+        if b >= 0:
+            centre = segments[b].end_centre
             for c in range(3):
                 d, e = (c + 1) % 3, (c + 2) % 3
-                normal = along * nodes.normal[i, k, c]
-                slip = 0.5 * (v_old[i, c] + free[c]) - surface[k, c]
-                book[b, c] += push[k, c]
-                book[b, 3 + c] += (x[i, d] - centres[b, d]) * push[k, e]
-                book[b, 3 + c] -= (x[i, e] - centres[b, e]) * push[k, d]
-                book[b, WORK] += push[k, c] * surface[k, c]
-                book[b, FRICTION] -= (push[k, c] - normal) * slip
-                book[b, IMPACT] -= normal * slip
-                sum_of[c] += push[k, c]
-            book[b, IMPACT] += share * astray
-        for c in range(3):
-            impulse[i, c] = sum_of[c]
-            v[i, c] += sum_of[c] / mass[i]
-            pushed[i, c] = sum_of[c] / (mass[i] * dt) if before[i] > OPEN else -a[i, c]
-    return active, sticking
+                turn = spins[b, d] * (x[e] - centre[e])
+                turn -= spins[b, e] * (x[d] - centre[d])
+                surface[k, c] = velocities[b, c] + turn
+
+
+@cache
+def push_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel push(solved, velocities, spins, segments, work, before, nodes, impulse, book, pushed)
+    of a law: impulses of a solved step on its velocities v, booked.
+
+    solved : SolvedStep; velocities, spins : (m, 3), of the body at the end [m/s, rad/s]
+    segments : (m,) SEGMENT; work : STEP; before : (n,), states of the nodes in the last step
+    nodes : Set; impulse : (n, 3), book : (m, BOOKED), filled
+    pushed : (n, 3), filled: part of contact in the acceleration that the next step starts from
+
+    Returns the nodes held, of these in stick.
+    """
+    share = share_kernel(kinetic_coefficient)
+
+    @kernel
+    def push(solved, velocities, spins, segments, work, before, nodes, impulse, book, pushed):
+        x, v, v_old, mean, moved, a, mass = solved
+        active, sticking, dt = 0, 0, work.dt
+        surface, planes = np.zeros((PLANES, 3)), np.zeros((PLANES, 3))
+        for i in range(len(x)):
+            if nodes.state[i] <= OPEN:
+                continue
+            owner, normals = nodes.owner[i], nodes.normal[i]
+            _velocities_of_planes(x[i], owner, segments, velocities, spins, surface)
+            free = v[i].copy()
+            total, whole = share(
+                free, surface, normals, owner, mass[i], work.friction[0] > 0.0, True,
+                work.friction, planes,
+            )  # fmt: skip
+            active += 1
+            sticking += whole
+            # positions that velocities did not move: forces did work on that way
+            astray = 0.0
+            for c in range(3):
+                astray += mass[i] * mean[i, c] * (moved[i, c] - 0.5 * dt * (v_old[i, c] + free[c]))
+            impulse[i] = 0.0
+            for k in range(PLANES):
+                if owner[k] < 0:
+                    continue
+                along = dot(planes[k], normals[k])
+                part = along / total if total > 0.0 else (1.0 if k == 0 else 0.0)
+                done, lost, impact = 0.0, 0.0, part * astray
+                for c in range(3):
+                    normal = along * normals[k, c]
+                    slip = 0.5 * (v_old[i, c] + free[c]) - surface[k, c]
+                    done += planes[k, c] * surface[k, c]
+                    lost -= (planes[k, c] - normal) * slip
+                    impact -= normal * slip
+                    impulse[i, c] += planes[k, c]
+                centre = segments[owner[k]].end_centre
+                book_impulse(book[owner[k]], centre, x[i], planes[k], done, lost, impact)
+            for c in range(3):
+                v[i, c] += impulse[i, c] / mass[i]
+                pushed[i, c] = impulse[i, c] / (mass[i] * dt) if before[i] > OPEN else -a[i, c]
+        return active, sticking
+
+    return push

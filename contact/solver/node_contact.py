@@ -1,237 +1,177 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Contact of one point with the body over one step: normal pushes, friction, what is booked.
+"""Contact of one node with the body over one step: normal pushes, friction, what is booked.
 
-The planes of planes.py bound the step, wedge.py corrects it along their normals, friction.py says
-how much of the slip that is left is taken as well. Lengths become impulses by mass / dt.
-
-A row of the book holds for one segment, all as acting on the cloth: impulse (3) [N s], its moment
-about the segment's centre at t (3) [N m s], work done by the moving segment, friction loss, impact
-loss [J].
+supporting_planes.py bounds the step, nearest_step.py corrects it along the normals, and
+plane_friction.py says how much of the slip that is left is taken as well. Lengths become impulses
+by mass / dt.
 """
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from contact.kernel import kernel
 
-from .friction import transmitted
+from .contact_ledger import book_impulse
 from .nearest_step import EJECTION, PINCHED, nearest_step
-from .soft_crease import from_cloth, opposed, soften
+from .plane_friction import friction_kernel
+from .soft_contact import from_cloth, opposed, soft_pushes
 from .supporting_planes import find_planes, keep_one_exit
 
-RUBS = 12  # passes of friction where several bodies hold a point
-WORK, FRICTION, IMPACT, BOOKED = 6, 7, 8, 9
-EVALUATED, ACTIVE, PINCHES, STICKING, COUNTS = 0, 1, 2, 3, 4
-
 
 @kernel
-def _rub(
-    free, planes, count, soft, first, pushing, slack, mu_s, mu_k, inertia, moved, step
-):  # fmt: skip
-    """Friction on all planes that push; `step` is updated. Returns planes pushing, all stick.
-
-    Planes after the first `count` are those of soft parts, whose pushes are in `free`.
-
-    Friction works on the slip that is left: planes share it by their push, so a groove of two
-    equal sides holds with the sum of both. Friction on one plane may press the point against
-    another: normals and friction are repeated in turn.
-    """
-    stick, every = True, count + soft
-    for _ in range(RUBS):
-        total = 0.0
-        for k in range(every):
-            total += planes[k].push
-        for c in range(3):
-            moved[c] = free[c]
-        change, stick = 0.0, True
-        for k in range(every):
-            n, u, rub, push = planes[k].normal, planes[k].drift, planes[k].rub, planes[k].push
-            if push <= 0.0:
-                for c in range(3):
-                    rub[c] = 0.0
-                continue
-            along = 0.0
-            for c in range(3):
-                along += (step[c] - u[c]) * n[c]
-            size, share = 0.0, push / total
-            for c in range(3):
-                trial = rub[c] - share * (step[c] - u[c] - along * n[c])
-                size += trial * trial
-            size = np.sqrt(size)
-            fraction = transmitted(inertia * push, inertia * size, mu_s, mu_k)
-            stick = stick and fraction == 1.0
-            for c in range(3):
-                trial = rub[c] - share * (step[c] - u[c] - along * n[c])
-                change = max(change, abs(fraction * trial - rub[c]))
-                rub[c] = fraction * trial
-                moved[c] += rub[c]
-        if pushing == PINCHED:
-            for k in range(count):
-                for c in range(3):
-                    moved[c] += planes[k].push * planes[k].normal[c]
-            for c in range(3):
-                step[c] = moved[c]
-            break
-        alone = pushing == 1 and soft == 0
-        pushing = nearest_step(moved, planes, count, first, slack, step)
-        if (alone and pushing == 1) or change <= slack:
-            break
-    if pushing == 0 and count > 0:  # friction alone would lift the point off: leave it out
-        for c in range(3):
-            moved[c] = free[c]
-            for k in range(count):
-                planes[k].rub[c] = 0.0
-            for k in range(count, every):
-                moved[c] += planes[k].rub[c]
-        pushing = nearest_step(moved, planes, count, first, slack, step)
-        stick = stick and soft > 0
-    return pushing, stick
-
-
-@kernel
-def meet_body(
-    x, v, kick, mass, dt, law, last, allowed, sunk, far, left, travel, planes, room, book, counts,
-    change,
-):  # fmt: skip
-    """Contact of one point over one step.
-
-    Parameters
-    ----------
-    x, v : (3,) float, position at t [m], velocity before contact [m/s]
-    kick : (3,) float, change of velocity by the forces of this step [m/s]
-    mass : float, effective mass [kg]
-    law : mu_s, mu_k, offset [m], recovery [m/s], flesh [1/s^2]: see pinch.py
-    last : int, segment of the last step or -1
-    allowed : int, segments that the point can touch, see travel.py
-    sunk : int, soft segments that have let the point in, see pinch.py
-    far : int, segments that a step of up to `left` [m] cannot reach, see clearance.py
-    planes : (2 m,) PLANE; room : (5, 3) float, scratch
-    book : (m, 9) float, added to; counts : (4,) int, added to
-    change : (3,) float, filled: change of velocity [m/s]
-
-    Returns
-    -------
-    segment (-1: no contact), sunk, depth at the start [m], the same of a pinched point, whose first
-    depth is zero
-    """
-    mu_s, mu_k, offset, recovery, flesh = law
-    free, step, moved, at = room[0], room[1], room[2], room[3]
-    fresh, away = 0, len(travel)
-    while True:  # again whenever parts are found to press the point against each other
-        for c in range(3):
-            free[c] = dt * v[c]
-        soft, pinch = 0, 0.0
-        if sunk:
-            sunk, soft, pinch = soften(
-                x, free, kick, dt, flesh, travel, offset, sunk, fresh, planes, away
-            )  # fmt: skip
-        for c in range(3):
-            step[c] = free[c]
-            at[c] = 0.0
-        count, pushing, first, slack, depth, tau = 0, 0, -1, 0.0, 0.0, 0.0
-        stick, against = False, 0
-        while True:
-            found, tau, evaluated = find_planes(
-                x,
-                at,
-                tau,
-                step,
-                travel,
-                allowed & ~sunk,
-                far,
-                left,
-                offset,
-                recovery * dt,
-                count,
-                planes,
-            )
-            counts[EVALUATED] += evaluated
-            if found == count:
-                break
-            inside = 0
-            for k in range(count, found):
-                depth = max(depth, planes[k].depth)
-                slack = max(slack, travel[planes[k].owner].slack)
-                inside += planes[k].depth > recovery * dt
-            if inside > 1:
-                if flesh < np.inf:
-                    against = opposed(planes, found, travel, True)
-                    if against:
-                        break
-                found = keep_one_exit(x, travel, offset, recovery * dt, last, found, planes)
-            count, first = found, -1
-            for k in range(count):
-                if planes[k].owner == last:
-                    first = k
-                for c in range(3):
-                    planes[k].rub[c] = 0.0
-            pushing = nearest_step(free, planes, count, first, slack, step)
-            if pushing != 0 and pushing != 1 and depth > slack:
-                # where several bodies hold the point, the way out may be EJECTION times the overlap
-                least = recovery * dt / EJECTION
-                for k in range(count):
-                    planes[k].bound -= max(0.0, min(planes[k].depth, recovery * dt) - least)
-                    planes[k].depth = min(planes[k].depth, least)
-                pushing = nearest_step(free, planes, count, first, slack, step)
-            if pushing != 0 and mu_s > 0.0 and soft == 0:
-                pushing, stick = _rub(
-                    free, planes, count, 0, first, pushing, slack, mu_s, mu_k, mass / dt, moved,
-                    step,
-                )  # fmt: skip
-            if inside > 1 or pushing == PINCHED:
-                break
-        if soft:
-            for k in range(soft):
-                planes[count + k] = planes[away + k]
-        if flesh < np.inf and not against and (pushing > 1 or pushing == PINCHED or soft):
-            every = count + soft
-            against = opposed(planes, every, travel, pushing == PINCHED)
-        if against & ~sunk:
-            fresh |= against & ~sunk
-            sunk |= against
-            continue
-        if soft and mu_s > 0.0:
-            pushing, stick = _rub(
-                free, planes, count, soft, first, pushing, slack, mu_s, mu_k, mass / dt, moved, step
-            )
-        break
-    every = count + soft
-    if pushing == 0 and soft == 0:
-        return -1, sunk, depth, pinch
-    if pushing == PINCHED:
-        counts[PINCHES] += 1
-        pinch, depth = max(pinch, depth), 0.0
-    elif soft:
-        counts[PINCHES] += 1
-
+def begin_path(work: Any) -> None:
+    """At the start of the step, with no planes."""
     for c in range(3):
-        change[c] = 0.0
-        for k in range(every):
-            change[c] += (planes[k].push * planes[k].normal[c] + planes[k].rub[c]) / dt
-    segment, greatest, normal = -1, 0.0, at
+        work.step[c] = work.free[c]
+        work.at[c] = 0.0
+    work.count, work.pushing, work.first, work.stick = 0, 0, -1, False
+    work.roundoff, work.depth, work.tau = 0.0, 0.0, 0.0
+
+
+@kernel
+def look_at_depths(work: Any, found: int, segments: np.ndarray, planes: np.ndarray) -> None:
+    """Take up the depths of planes from `count` to before `found`; counts those deep inside."""
+    work.inside = 0
+    for k in range(work.count, found):
+        work.depth = max(work.depth, planes[k].depth)
+        work.roundoff = max(work.roundoff, segments[planes[k].owner].roundoff)
+        work.inside += planes[k].depth > work.recovery
+
+
+@kernel
+def push_out(last: int, work: Any, planes: np.ndarray) -> None:
+    """The nearest admissible step without friction; `last` is the segment touched last."""
+    work.first = -1
+    for k in range(work.count):
+        if planes[k].owner == last:
+            work.first = k
+        for c in range(3):
+            planes[k].friction[c] = 0.0
+    work.pushing = nearest_step(work.free, planes, work.count, work.first, work.roundoff, work.step)
+    if work.pushing != 0 and work.pushing != 1 and work.depth > work.roundoff:
+        # where several segments hold the node, the way out may be EJECTION times the overlap
+        least = work.recovery / EJECTION
+        for k in range(work.count):
+            planes[k].bound -= max(0.0, min(planes[k].depth, work.recovery) - least)
+            planes[k].depth = min(planes[k].depth, least)
+        work.pushing = nearest_step(
+            work.free, planes, work.count, work.first, work.roundoff, work.step
+        )
+
+
+@kernel
+def book_planes(
+    x: np.ndarray,
+    v: np.ndarray,
+    mass: float,
+    work: Any,
+    segments: np.ndarray,
+    planes: np.ndarray,
+    book: np.ndarray,
+) -> int:
+    """Book the impulses of all planes; the segment that pushes most, or -1."""
+    count, every, dt = work.count, work.count + work.soft, work.dt
+    segment, greatest, normal = -1, 0.0, work.at
     for k in range(every):
         push, b = planes[k].push, planes[k].owner
         if push > greatest:
             segment, greatest = b, push
-        from_cloth(planes, count, every, k, travel, normal)
-        work = pressed = rubbed = 0.0
+        from_cloth(planes, count, every, k, segments, normal)
+        done = pressed = rubbed = 0.0
         for c in range(3):
             surface = planes[k].drift[c] / dt
-            slip = v[c] + 0.5 * (change[c] - kick[c]) - surface
-            pushed, friction = mass / dt * normal[c], mass / dt * planes[k].rub[c]
-            moved[c] = pushed + friction
-            work += moved[c] * surface
+            slip = v[c] + 0.5 * (work.change[c] - work.kick[c]) - surface
+            pushed, friction = mass / dt * normal[c], mass / dt * planes[k].friction[c]
+            work.impulse[c] = pushed + friction
+            done += work.impulse[c] * surface
             pressed -= pushed * slip
             rubbed -= friction * slip
-        centre = travel[b].centre
+        book_impulse(book[b], segments[b].centre, x, work.impulse, done, rubbed, pressed)
+    return segment
+
+
+@cache
+def node_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel correct_node(x, v, mass, node, work, segments, planes, book) of a law of friction.
+
+    x, v : (3,) float, position at t [m], velocity before contact [m/s]
+    mass : float, effective mass [kg]
+    node : NODE, `penetrated` is updated
+    work : STEP; `change` is filled and counts are added to
+    segments : (m,) SEGMENT; planes : (2 m,) PLANE, work
+    book : (m, BOOKED) float, see contact_ledger.py, added to
+
+    Returns the segment (-1: no contact), the depth at the start [m], the same of a pinched node,
+    whose first depth is zero.
+    """
+    apply_friction = friction_kernel(kinetic_coefficient)
+
+    @kernel
+    def follow_path(x, mass, node, work, segments, planes):
+        """From plane to plane until the step is admissible; set of segments that press the node
+        against each other, where that is seen on the way."""
+        begin_path(work)
+        allowed = node.allowed & ~node.penetrated
+        while True:
+            found = find_planes(x, allowed, node.far, work, segments, planes)
+            if found == work.count:
+                return 0
+            look_at_depths(work, found, segments, planes)
+            if work.inside > 1:
+                if work.flesh < np.inf:
+                    against = opposed(planes, found, segments, True)
+                    if against:
+                        return against
+                found = keep_one_exit(x, node.segment, work, segments, found, planes)
+            work.count = found
+            push_out(node.segment, work, planes)
+            if work.pushing != 0 and work.friction[0] > 0.0 and work.soft == 0:
+                apply_friction(mass, work, planes)
+            if work.inside > 1 or work.pushing == PINCHED:
+                return 0
+
+    @kernel
+    def correct_node(x, v, mass, node, work, segments, planes, book):
+        begun, pinch = 0, 0.0
+        while True:  # again whenever segments are found to press the node against each other
+            for c in range(3):
+                work.free[c] = work.dt * v[c]
+            work.soft, pinch = 0, 0.0
+            if node.penetrated:
+                pinch = soft_pushes(x, node, begun, work, segments, planes)
+            against = follow_path(x, mass, node, work, segments, planes)
+            soft, pushing = work.soft, work.pushing
+            for k in range(soft):
+                planes[work.count + k] = planes[len(segments) + k]
+            if work.flesh < np.inf and not against and (pushing > 1 or pushing == PINCHED or soft):
+                against = opposed(planes, work.count + soft, segments, pushing == PINCHED)
+            if against & ~node.penetrated:
+                begun |= against & ~node.penetrated
+                node.penetrated |= against
+                continue
+            if soft and work.friction[0] > 0.0:
+                apply_friction(mass, work, planes)
+            break
+        if work.pushing == 0 and work.soft == 0:
+            return -1, work.depth, pinch
+        depth = work.depth
+        if work.pushing == PINCHED:
+            pinch, depth = max(pinch, depth), 0.0
+        if work.pushing == PINCHED or work.soft:
+            work.pinched += 1
         for c in range(3):
-            d, e = (c + 1) % 3, (c + 2) % 3
-            book[b, c] += moved[c]
-            book[b, 3 + c] += (x[d] - centre[d]) * moved[e] - (x[e] - centre[e]) * moved[d]
-        book[b, WORK] += work
-        book[b, FRICTION] += rubbed
-        book[b, IMPACT] += pressed
-    if segment < 0:  # pinched, and on the near side of the segment that holds it
-        return last, sunk, depth, pinch
-    counts[ACTIVE] += 1
-    counts[STICKING] += stick
-    return segment, sunk, depth, pinch
+            work.change[c] = 0.0
+            for k in range(work.count + work.soft):
+                push = planes[k].push * planes[k].normal[c]
+                work.change[c] += (push + planes[k].friction[c]) / work.dt
+        segment = book_planes(x, v, mass, work, segments, planes, book)
+        if segment < 0:  # pinched, and on the near side of the segment that holds it
+            return node.segment, depth, pinch
+        work.active += 1
+        work.sticking += work.stick
+        return segment, depth, pinch
+
+    return correct_node

@@ -3,10 +3,10 @@
 
 A stepper of leapfrog type has positions x at t and free velocities v, advanced over the step by all
 forces but contact; x + dt v would be the positions at t + dt. Where that step would enter the body,
-v is changed: first along the normals (planes.py, wedge.py), then by friction (friction.py). Every
-change is an impulse m (v_after - v_before) and is booked, per node and per segment, so that
-momentum closes to roundoff and the mean of impulse / dt is the contact force. A node at rest gets
-its weight times dt in each step.
+v is changed: first along the normals (supporting_planes.py, nearest_step.py), then by friction
+(plane_friction.py). Every change is an impulse m (v_after - v_before) and is booked, per node and
+per segment, so that momentum closes to roundoff and the mean of impulse / dt is the contact force.
+A node at rest gets its weight times dt in each step.
 
 All impulses booked act on the cloth; the segment receives the opposite.
 
@@ -15,141 +15,187 @@ applied (without it: the free velocity). Then the work of forces and contact ove
 the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from contact.body.pose_check import require_no_jump
-from contact.body.segment_sets import SETS, bits_of, mates_of
+from contact.body.segment_sets import SETS
+from contact.body.segments import Body, Pose
 from contact.kernel import kernel
 
-from .broad_phase import CLEAR, LEAST, STEPS, left_of, look, surface_motion
+from .broad_phase import LEAST, STEPS, clearance_left, measure, surface_motion
 from .contact_ledger import Ledger
-from .friction import coefficients
-from .node_contact import ACTIVE, COUNTS, EVALUATED, PINCHES, STICKING, meet_body
-from .segment_motion import TRAVEL, in_reach, set_travel
+from .friction import Friction, as_friction
+from .node_contact import node_kernel
+from .segment_motion import in_reach, segment_records, set_motion
+from .step_record import NODE, set_friction, step_record
 from .supporting_planes import PLANE
 
 EVERY = 2**63 - 1  # all segments
 
 
 @kernel
-def _correct(
-    x, v, old, mass, fixed, allowed, dt, law, start, start_axes, end, end_axes, radii, travel,
-    planes, room, clear, path, segment, sunk, impulse, book, window, window_book, counts,
-):  # fmt: skip
-    """One step of contact for all points; number + 1 of one not finite; depths; body's motion."""
-    offset = law[2]
-    set_travel(start, start_axes, end, end_axes, radii, offset, travel)
-    motion, shortest = surface_motion(travel, offset)
-    counts[:] = 0
-    book[:] = 0.0
-    deepest = pinched = 0.0
-    kick, change = room[4], room[5]
-    for i in range(len(x)):
-        total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
-        if not (np.isfinite(total) and 0.0 < mass[i] < np.inf):
-            return i + 1, deepest, pinched, motion
-        for c in range(3):
-            impulse[i, c] = 0.0
-        reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
-        if fixed[i]:
-            segment[i], sunk[i] = -1, 0
-            continue
-        left = left_of(x[i], path, motion, clear[i])
-        if left < reach and motion < np.inf:
-            margin = max(STEPS * (reach + motion), LEAST * shortest)
-            counts[EVALUATED] += look(
-                x[i], path, margin, allowed[i], travel, offset, clear[i]
-            )  # fmt: skip
-            left = left_of(x[i], path, motion, clear[i])
-        far = clear[i].far if left >= reach else 0
-        may = allowed[i] & ~far
-        if not may or not in_reach(x[i], reach, travel, may):
-            segment[i], sunk[i] = -1, 0
-            continue
-        for c in range(3):
-            kick[c] = v[i, c] - old[i, c]
-        segment[i], sunk[i], depth, pinch = meet_body(
-            x[i], v[i], kick, mass[i], dt, law, segment[i], allowed[i], sunk[i], far, left, travel,
-            planes, room, book, counts, change,
-        )  # fmt: skip
-        deepest, pinched = max(deepest, depth), max(pinched, pinch)
-        if segment[i] >= 0:
+def begin_step(work: Any, segments: np.ndarray) -> None:
+    """Bounds on the motion of the body for the broad phase; counts are set to zero."""
+    work.motion, work.thinnest = surface_motion(segments, work.offset)
+    work.evaluated, work.active, work.sticking, work.pinched = 0, 0, 0, 0
+    work.max_depth = work.pinch_depth = 0.0
+
+
+@kernel
+def may_meet(x: np.ndarray, v: np.ndarray, node: Any, work: Any, segments: np.ndarray) -> bool:
+    """Whether a node can come near any segment in its step; distances are measured if needed."""
+    reach = work.dt * np.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
+    if node.fixed:
+        return False
+    left = clearance_left(x, work.path, work.motion, node)
+    if left < reach and work.motion < np.inf:
+        margin = max(STEPS * (reach + work.motion), LEAST * work.thinnest)
+        work.evaluated += measure(x, work.path, margin, segments, work.offset, node)
+        left = clearance_left(x, work.path, work.motion, node)
+    if left < reach:
+        node.far = 0
+    work.clearance = left
+    may = node.allowed & ~node.far
+    return may != 0 and in_reach(x, reach, segments, may)
+
+
+@cache
+def correction_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel correct(x, v, old, mass, nodes, work, segments, planes, impulse, book) of a law.
+
+    One step of contact for all nodes, see VelocityCorrection; 0, or the number + 1 of a node that
+    is not finite.
+    """
+    correct_node = node_kernel(kinetic_coefficient)
+
+    @kernel
+    def correct(x, v, old, mass, nodes, step, segments, planes, impulse, book):
+        work = step[0]
+        begin_step(work, segments)
+        book[:] = 0.0
+        for i in range(len(x)):
+            total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
+            if not (np.isfinite(total) and 0.0 < mass[i] < np.inf):
+                return i + 1
             for c in range(3):
-                v[i, c] += change[c]
-                impulse[i, c] = mass[i] * change[c]
-                window[i, c] += impulse[i, c]
-    window_book += book
-    return 0, deepest, pinched, motion
+                impulse[i, c] = 0.0
+            node = nodes[i]
+            if not may_meet(x[i], v[i], node, work, segments):
+                node.segment, node.penetrated = -1, 0
+                continue
+            for c in range(3):
+                work.kick[c] = v[i, c] - old[i, c]
+            node.segment, depth, pinch = correct_node(
+                x[i], v[i], mass[i], node, work, segments, planes, book
+            )
+            work.max_depth = max(work.max_depth, depth)
+            work.pinch_depth = max(work.pinch_depth, pinch)
+            if node.segment >= 0:
+                for c in range(3):
+                    v[i, c] += work.change[c]
+                    impulse[i, c] = mass[i] * work.change[c]
+        return 0
+
+    return correct
 
 
-class Correction:
+class VelocityCorrection:
     """Contact and friction with a body, applied between steps.
 
     Parameters
     ----------
     body : Body
     nodes : int, owned nodes n
-    friction : float or (mu_s, mu_k)
+    friction : float, (mu_s, mu_k) or a law, see `contact.solver.friction`
     offset : float, distance from the skin at which cloth is held: half its thickness [m]
     fixed : (n,) bool or None, nodes of prescribed motion: left alone
-    recovery : float, greatest speed at which a point that starts a step inside is moved out [m/s]
+    recovery : float, greatest speed at which a node that starts a step inside is moved out [m/s]
     allowed : (n,) int or None, segments each node can touch, see `Body.mask`; None: all
     flesh : float, stiffness of the segments where they press cloth against each other, over the
-        areal mass of the cloth [1/s^2], see pinch.py; infinite: hard ones
+        areal mass of the cloth [1/s^2], see soft_contact.py; infinite: hard ones
 
     Attributes
     ----------
     last : Ledger of the last step
     window : Ledger of all steps since the last `reset`
+    fixed, allowed : (n,), as given; may be changed in place between steps
     segment : (n,) int, segment touched in the last step, where two hold the node the one that
         pushes more; -1 without contact
-    sunk : (n,) int, set of the soft segments that each node lies in
-    evaluated : closest points computed in the last step
-    active, sticking : points in contact in the last step, of these in stick
-    pinched : points in soft segments, or to which hard ones left no room, in the last step
+    penetrated : (n,) int, set of the soft segments that each node lies in
     max_depth : float, deepest start of the last step below the offset surface [m]
-    pinch_depth : float, the same of pinched points, which are not counted there [m]
+    pinch_depth : float, the same of pinched nodes, which are not counted there [m]
+
+    Raises
+    ------
+    ValueError
+        For an offset, a recovery, a stiffness or a friction out of range, arrays of wrong shapes,
+        and more segments than soft ones can be told apart.
     """
 
     def __init__(
-        self, body, nodes, friction=0.0, offset=0.0, fixed=None, recovery=0.1, allowed=None,
-        flesh=np.inf,
-    ):  # fmt: skip
-        mu_s, mu_k = coefficients(friction)
+        self,
+        body: Body,
+        nodes: int,
+        friction: Friction | ArrayLike = 0.0,
+        offset: float = 0.0,
+        fixed: ArrayLike | None = None,
+        recovery: float = 0.1,
+        allowed: ArrayLike | None = None,
+        flesh: float = np.inf,
+    ):
         if not (np.isfinite(offset) and offset >= 0):
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
         if not recovery > 0:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
         if not flesh > 0:
             raise ValueError(f"the stiffness of soft segments is positive, not {flesh}")
-        self.fixed = np.zeros(nodes, bool) if fixed is None else np.array(fixed, bool)
-        if self.fixed.shape != (nodes,):
-            raise ValueError(f"fixed has shape {self.fixed.shape}, not ({nodes},)")
-        self.allowed = np.full(nodes, EVERY) if allowed is None else np.array(allowed, np.int64)
-        if self.allowed.shape != (nodes,):
-            raise ValueError(f"allowed has shape {self.allowed.shape}, not ({nodes},)")
-        bits = bits_of(body)
-        if flesh < np.inf and bits.max() == SETS:
-            raise ValueError(
-                f"of {len(bits)} segments that move by themselves only {SETS} can be told apart "
-                "as soft ones; give several one carrier, or leave them hard"
-            )
+        self._nodes = np.zeros(nodes, NODE)
+        self._nodes["clearance"] = -1.0
+        self.fixed, self.allowed = self._nodes["fixed"], self._nodes["allowed"]
+        self.segment, self.penetrated = self._nodes["segment"], self._nodes["penetrated"]
+        self.segment[:] = -1
+        for name, array, given in (
+            ("fixed", self.fixed, False if fixed is None else fixed),
+            ("allowed", self.allowed, EVERY if allowed is None else allowed),
+        ):
+            if np.shape(given) not in ((), (nodes,)):
+                raise ValueError(f"{name} has shape {np.shape(given)}, not ({nodes},)")
+            array[:] = given
         self.body = body
-        self._law = (mu_s, mu_k, float(offset), float(recovery), float(flesh))
-        m = len(body.radii)
+        self._segments = segment_records(body)
+        if flesh < np.inf and self._segments["bit"].max() == SETS:
+            raise ValueError(
+                f"of {len(body.shapes)} segments that move by themselves only {SETS} can be told "
+                "apart as soft ones; give several one carrier, or leave them hard"
+            )
+        self._friction, self._recovery = as_friction(friction), float(recovery)
+        self._correct = correction_kernel(self._friction.kinetic_coefficient)
+        self._step = step_record(self._friction, float(offset))
+        self._step["flesh"] = flesh
+        self._work = self._step[0]
+        self._planes = np.zeros(2 * len(self._segments), PLANE)
+        self._extents = np.array([shape.half_extents for shape in body.shapes], float)
+        m = len(self._segments)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
-        self.segment = np.full(nodes, -1, np.int64)
-        self.sunk = np.zeros(nodes, np.int64)
-        self.max_depth, self.pinch_depth, self._counts = 0.0, 0.0, np.zeros(COUNTS, np.int64)
-        self._radii = np.ascontiguousarray(body.radii, float)
-        self._scratch = np.zeros(m, TRAVEL), np.zeros(2 * m, PLANE), np.zeros((6, 3))
-        self._scratch[0]["bit"], self._scratch[0]["mates"] = bits, mates_of(body)
-        self._clear, self._path = np.zeros(nodes, CLEAR), 0.0
-        self._clear["room"] = -1.0
+        self.max_depth = self.pinch_depth = 0.0
         self._start, self._end = body.new_pose(), body.new_pose()
-        self._start_time = self._end_time = None
+        self._start_time: float | None = None
+        self._end_time: float | None = None
 
-    def __call__(self, x, v, mass, dt, t, v_old=None):
+    def __call__(
+        self,
+        x: np.ndarray,
+        v: np.ndarray,
+        mass: np.ndarray,
+        dt: float,
+        t: float,
+        v_old: np.ndarray | None = None,
+    ) -> None:
         """Correct v for the step from t to t + dt.
 
         Parameters
@@ -162,95 +208,139 @@ class Correction:
 
         Raises
         ------
+        ValueError
+            For arrays of wrong shapes, a step or a mass that is none, a body that jumps.
         FloatingPointError
             When a position or velocity is not finite, with the node; v is then partly corrected.
         """
-        for name, array, shape in (
-            ("x", x, self.last.impulse.shape),
-            ("v", v, self.last.impulse.shape),
-            ("mass", mass, self.segment.shape),
-            ("v_old", x if v_old is None else v_old, self.last.impulse.shape),
-        ):
-            if array.shape != shape:
-                raise ValueError(f"{name} has shape {array.shape}, not {shape}")
+        old = v if v_old is None else v_old
+        self._check(x, v, mass, old, dt, t)
+        self._move(t, t + dt)
+        step, work, last = self._step, self._work, self.last
+        work["dt"], work["recovery"] = dt, self._recovery * dt
+        start, end = self._start, self._end
+        set_motion(start.centres, start.axes, end.centres, end.axes, work["offset"], self._segments)
+        bad = self._correct(
+            x, v, old, mass, self._nodes, step, self._segments, self._planes, last.impulse,
+            last.table,
+        )  # fmt: skip
+        self.max_depth, self.pinch_depth = float(work["max_depth"]), float(work["pinch_depth"])
+        if work["motion"] == np.inf:
+            work["path"], self._nodes["clearance"] = 0.0, -1.0
+        else:
+            work["path"] += work["motion"]
+        if bad:
+            self._refuse(bad - 1, x, v, mass, t)
+        last.seconds = dt
+        self.window.add(last)
+
+    def _check(self, x, v, mass, old, dt, t):
+        nodes, shape = self.segment.shape, self.last.impulse.shape
+        for name, array, wanted in (
+            ("x", x, shape), ("v", v, shape), ("mass", mass, nodes), ("v_old", old, shape),
+        ):  # fmt: skip
+            if array.shape != wanted:
+                raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
         if not (0 < dt < np.inf and np.isfinite(t)):
             raise ValueError(
                 f"contact needs a time step above 0 s at a finite time, not {dt} s at {t}"
             )
-        self._move(t, t + dt)
-        last, window = self.last, self.window
-        bad, self.max_depth, self.pinch_depth, motion = _correct(
-            x, v, v if v_old is None else v_old, mass, self.fixed, self.allowed, dt, self._law,
-            self._start.centres, self._start.axes, self._end.centres, self._end.axes, self._radii,
-            *self._scratch, self._clear, self._path, self.segment, self.sunk, last.impulse,
-            last.table, window.impulse, window.table, self._counts,
-        )  # fmt: skip
-        self._path += motion
-        if motion == np.inf:
-            self._path, self._clear["room"] = 0.0, -1.0
-        if bad:
-            i = bad - 1
-            if not 0 < mass[i] < np.inf:
-                raise ValueError(f"node {i} has a mass of {mass[i]} kg; contact needs one above 0")
-            raise FloatingPointError(
-                f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
-                "the step has exploded; take a smaller one"
-            )
-        last.seconds = dt
-        window.seconds += dt
+
+    def _refuse(self, i, x, v, mass, t):
+        if not 0 < mass[i] < np.inf:
+            raise ValueError(f"node {i} has a mass of {mass[i]} kg; contact needs one above 0")
+        raise FloatingPointError(
+            f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
+            "the step has exploded; take a smaller one"
+        )
 
     def _move(self, start, end):
         """Poses at the two times; the end of one step usually is the start of the next."""
         if start == self._end_time:
             self._start, self._end = self._end, self._start
         else:
-            self._clear["room"] = -1.0
+            self._nodes["clearance"] = -1.0
             if start != self._start_time:
                 self.body.pose(start, self._start)
         self.body.pose(end, self._end)
         self._start_time, self._end_time = start, end
         names = self.body.names
-        require_no_jump(names, self._radii, self._start, self._end, start, end - start)
+        require_no_jump(names, self._extents, self._start, self._end, start, end - start)
 
     @property
-    def friction(self):
-        """(mu_s, mu_k); may be changed between steps."""
-        return self._law[:2]
+    def friction(self) -> Friction:
+        """The law of friction; may be changed between steps, to a number or a pair as well."""
+        return self._friction
 
     @friction.setter
-    def friction(self, value):
-        self._law = (*coefficients(value), *self._law[2:])
+    def friction(self, value: Friction | ArrayLike) -> None:
+        self._friction = as_friction(value)
+        self._correct = correction_kernel(self._friction.kinetic_coefficient)
+        set_friction(self._step, self._friction)
 
     @property
-    def start_pose(self):
+    def start_pose(self) -> Pose:
         """Pose of the body at the start of the last step."""
         return self._start
 
     @property
-    def evaluated(self):
-        return int(self._counts[EVALUATED])
+    def evaluated(self) -> int:
+        """Closest points computed in the last step."""
+        return int(self._work["evaluated"])
 
     @property
-    def active(self):
-        return int(self._counts[ACTIVE])
+    def active(self) -> int:
+        """Nodes in contact in the last step."""
+        return int(self._work["active"])
 
     @property
-    def sticking(self):
-        return int(self._counts[STICKING])
+    def sticking(self) -> int:
+        """Nodes in contact that stuck in the last step."""
+        return int(self._work["sticking"])
 
     @property
-    def pinched(self):
-        return int(self._counts[PINCHES])
+    def pinched(self) -> int:
+        """Nodes in soft segments, or to which hard ones left no room, in the last step."""
+        return int(self._work["pinched"])
 
-    def reset(self):
+    def add_counts(self, other: "VelocityCorrection") -> None:
+        """Add the counts of the last step of another correction, and take the greater depths."""
+        for name in ("evaluated", "active", "sticking", "pinched"):
+            self._work[name] += other._work[name]
+        self.max_depth = max(self.max_depth, other.max_depth)
+        self.pinch_depth = max(self.pinch_depth, other.pinch_depth)
+
+    def reset(self) -> None:
         """Begin a new window."""
         self.window.clear()
 
-    def state(self):
-        """What the next step needs to know of this one, for `restore` (copies)."""
-        return {"segment": self.segment.copy(), "sunk": self.sunk.copy()}
+    def looks(self) -> tuple[np.ndarray, np.ndarray]:
+        """What steps so far have found out of reach: (n, 6), way [m] and time [s] of the body.
 
-    def restore(self, state):
+        It leaves out planes that do not push, which changes last digits at most: who goes on bit
+        for bit needs it. Sets of segments stand as the floats of the same bits.
+        """
+        nodes = self._nodes
+        time = np.nan if self._end_time is None else self._end_time
+        far = nodes["far"].copy().view(float)
+        table = np.column_stack([nodes["place"], far, nodes["clearance"], nodes["path"]])
+        return table, np.array([self._work["path"], time])
+
+    def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
+        """Continue from `looks()`."""
+        nodes = self._nodes
+        nodes["place"], nodes["clearance"], nodes["path"] = table[:, :3], table[:, 4], table[:, 5]
+        nodes["far"] = np.ascontiguousarray(table[:, 3]).view(np.int64)
+        self._work["path"], time = body.tolist()
+        if not np.isnan(time):
+            self._end_time = time
+            self.body.pose(time, self._end)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """What the next step needs to know of this one, for `restore` (copies)."""
+        return {"segment": self.segment.copy(), "penetrated": self.penetrated.copy()}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
         """Continue from `state()`."""
         self.segment[:] = state["segment"]
-        self.sunk[:] = state["sunk"]
+        self.penetrated[:] = state["penetrated"]

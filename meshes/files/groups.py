@@ -8,17 +8,24 @@ which row of it the cell was.
 from __future__ import annotations
 
 import warnings
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meshes.subdivide import halve
+from meshes.surface import Surface
 from meshes.topology import directed_edges, edge_keys
 from meshes.validity import MeshError
+
+if TYPE_CHECKING:
+    import meshio
 
 _LINES = ("line", "line3")
 
 
-def read_groups(mesh, origins, blocks, name):
+def read_groups(
+    mesh: meshio.Mesh, origins: np.ndarray, blocks: list[np.ndarray], name: str
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray | None]:
     """Named edges, panels and warp directions of a meshio mesh.
 
     Parameters
@@ -41,7 +48,7 @@ def read_groups(mesh, origins, blocks, name):
             if mesh.cells[number].type in _LINES and mask.any()
         ]
         if segments:
-            edges[label] = _beside_cells(np.concatenate(segments), known, label, name)
+            edges[label] = _on_sides(np.concatenate(segments), known, label, name)
         inside = np.zeros(len(origins), dtype=bool)
         for number, mask in masks.items():
             rows = np.flatnonzero(origins[:, 0] == number)
@@ -55,17 +62,17 @@ def read_groups(mesh, origins, blocks, name):
     return {label: edge for label, edge in edges.items() if len(edge)}, panels, warp
 
 
-def _beside_cells(segments, known, label, name):
+def _on_sides(segments, known, label, name):
     """The segments that are sides of cells, with middle points where the cells have them."""
     size = 1 + int(max(segments.max(), known[:, :2].max()))
-    beside = np.isin(edge_keys(segments, size), edge_keys(known, size))
-    if not beside.all():
+    on_a_side = np.isin(edge_keys(segments, size), edge_keys(known, size))
+    if not on_a_side.all():
         warnings.warn(
-            f"{name}: {int((~beside).sum())} segments of '{label}' lie along no side of a cell "
+            f"{name}: {int((~on_a_side).sum())} segments of '{label}' lie along no side of a cell "
             "and are left out.",
             stacklevel=5,
         )
-    segments = segments[beside]
+    segments = segments[on_a_side]
     if known.shape[1] == 3 and len(segments):
         return halve(segments, known, known[:, 2], size)[:, [0, 2, 1]]
     return segments
@@ -107,12 +114,16 @@ def _masks(mesh):
     return groups
 
 
-def drop_repeats(blocks, panels, warp):
+def drop_repeats(
+    blocks: list[np.ndarray], panels: dict[str, np.ndarray], warp: np.ndarray | None
+) -> tuple[list[np.ndarray], dict[str, np.ndarray], np.ndarray | None]:
     """Cells listed once for every group they are in, as gmsh does, become one cell each.
 
     Returns blocks, panels, warp in the new numbers.
     """
-    kept_blocks, kept, number, before = [], [], [], 0
+    kept_blocks: list[np.ndarray] = []
+    kept: list[np.ndarray] = []
+    number, before = [], 0
     for block in blocks:
         _, first, inverse = np.unique(
             np.sort(block, axis=1), axis=0, return_index=True, return_inverse=True
@@ -121,7 +132,7 @@ def drop_repeats(blocks, panels, warp):
         rank = np.empty(len(order), dtype=np.int64)
         rank[order] = np.arange(len(order))
         kept_blocks.append(block[first[order]])
-        number.append(sum(map(len, kept)) + rank[inverse.ravel()])
+        number.append(sum(len(rows) for rows in kept) + rank[inverse.ravel()])
         kept.append(before + first[order])
         before += len(block)
     number = np.concatenate(number)
@@ -129,7 +140,9 @@ def drop_repeats(blocks, panels, warp):
     return kept_blocks, panels, None if warp is None else warp[np.concatenate(kept)]
 
 
-def with_groups(surface, cells, physical, name):
+def with_groups(
+    surface: Surface, cells: list[tuple[str, np.ndarray]], physical: bool, name: str
+) -> meshio.Mesh:
     """A meshio mesh of a surface with its edges, panels, directors and warp.
 
     Parameters

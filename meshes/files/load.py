@@ -29,7 +29,7 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 _FACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 9}
 
 
-def load(path, unit="m", quads=None):
+def load(path: str | Path, unit: str = "m", quads: str | None = None) -> Surface:
     """Read the surface in a file.
 
     Parameters
@@ -160,7 +160,7 @@ def _warn_unit(surface, unit):
         )
 
 
-def save(surface, path):
+def save(surface: Surface, path: str | Path) -> None:
     """Write a surface to a file in m, completely or not at all.
 
     Parameters
@@ -190,6 +190,7 @@ def save(surface, path):
     cells = [(label, surface.cells.astype(np.int32) if kind == ".ply" else surface.cells)]
     mesh = meshio.Mesh(surface.points, cells)
     if kind == ".ply":
+        assert surface.directors is not None  # what has passed the check has them
         mesh.point_data = dict(zip(("nx", "ny", "nz"), surface.directors.T.copy()))
     elif named:
         mesh = with_groups(surface, cells, kind == ".msh", path.name)

@@ -9,16 +9,21 @@ from __future__ import annotations
 
 import contextlib
 import io
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from meshes.gmsh_model import read_msh
 from meshes.validity import MeshError
 
+if TYPE_CHECKING:
+    import meshio
+
 FORMATS = (".msh", ".vtu", ".vtk", ".obj", ".stl", ".ply")
 
 
-def read_mesh(path):
+def read_mesh(path: Path) -> meshio.Mesh:
     """The meshio mesh of the file at a Path.
 
     Raises

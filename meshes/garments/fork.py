@@ -44,7 +44,7 @@ class Loft(NamedTuple):
     leg: np.ndarray
 
 
-def bridge_ends(hip_depth, hip_height, fork_height):
+def bridge_ends(hip_depth: float, hip_height: float, fork_height: float) -> np.ndarray:
     """Front and back end of the bridge and the fork, (3, 3) in m."""
     rise = hip_height - fork_height
     front, back = (
@@ -66,7 +66,7 @@ def _half_bridge(end, fork, sign):
     return bezier([end, end - first * _upward(sign), fork + last * side, fork])
 
 
-def bridge_cells(ends, cell_size):
+def bridge_cells(ends: np.ndarray, cell_size: float) -> int:
     """Number of segments of the bridge, an even number, so that the fork is a point of the mesh."""
     front, back, fork = ends
     halves = [_half_bridge(end, fork, sign)[0] for end, sign in ((front, 1.0), (back, -1.0))]
@@ -103,7 +103,15 @@ def _evenly(columns, count):
     return out
 
 
-def loft(waist, hip, thigh, knee, hem, ends, cell_size):
+def loft(
+    waist: np.ndarray,
+    hip: np.ndarray,
+    thigh: np.ndarray,
+    knee: np.ndarray,
+    hem: np.ndarray,
+    ends: np.ndarray,
+    cell_size: float,
+) -> Loft:
     """Rows of points through five rings and the fork.
 
     Parameters
@@ -125,33 +133,25 @@ def loft(waist, hip, thigh, knee, hem, ends, cell_size):
     fork_height = ends[2, 2]
     groin = fork_height + _GROIN_HEIGHT * (hip[0, 2] - fork_height)
     levels = -np.array([waist[0, 2], hip[0, 2], groin, thigh[0, 2], knee[0, 2], hem[0, 2]])
-    given = np.delete(levels, 2)
     column = np.stack([waist, hip, thigh[: half + 1], knee[: half + 1], hem[: half + 1]])
-    smooth = PchipInterpolator(given, column)
+    smooth = PchipInterpolator(np.delete(levels, 2), column)
     slopes = smooth.derivative()
 
-    # The groin line is the smooth loft, pulled to the ends of the bridge at its front and back.
-    place = np.linspace(0.0, 1.0, half + 1)[:, None]
-    pull = [np.clip(1.0 - s / _REACH_OF_ENDS, 0.0, 1.0) for s in (place, 1.0 - place)]
-    free = 1.0 - pull[0] ** 2 - pull[1] ** 2
+    pull, free = _pull_of_ends(half)
     groin_line = smooth(levels[2])
     groin_line += pull[0] ** 3 * (ends[0] - groin_line[0])
     groin_line += pull[1] ** 3 * (ends[1] - groin_line[-1])
     top = np.concatenate([groin_line, bridge[1:-1]])
+    distance = np.linalg.norm(thigh - top, axis=1, keepdims=True) / (levels[3] - levels[2])
+    groin_slope = free * slopes(levels[2])
+    start = _bridge_slopes(along, np.concatenate([distance[half:], distance[:1]]))
 
     # Slopes above the groin line: of the smooth loft, turning into the seams at the ends.
     drop = levels[2] - levels[1]
-    above = free * slopes(levels[2])
+    above = groin_slope.copy()
     for weight, sign, end, corner in zip(pull, (1.0, -1.0), ends, hip[[0, -1]]):
         above -= weight**2 * _upward(sign) * np.linalg.norm(end - corner) / drop
-
-    # Below, at the bridge: sideways, and down along it towards its ends.
-    distance = np.linalg.norm(thigh - top, axis=1, keepdims=True) / (levels[3] - levels[2])
-    sideways = np.array([0.0, 1.0, 0.0])
-    lean = np.cos(np.pi * np.linspace(0.0, 1.0, len(bridge)))[:, None]
-    start = np.cos(_SWING) * sideways + np.sin(_SWING) * lean * along
-    start *= _START * np.concatenate([distance[half:], distance[:1]])
-    below = free * slopes(levels[2]) + pull[0] ** 2 * start[-1] + pull[1] ** 2 * start[0]
+    below = groin_slope + pull[0] ** 2 * start[-1] + pull[1] ** 2 * start[0]
     below = np.concatenate([below, start[1:-1]])
 
     # At the thigh the columns of the bridge know nothing of the torso.
@@ -162,14 +162,8 @@ def loft(waist, hip, thigh, knee, hem, ends, cell_size):
     # Shorter columns arrive more slowly, which keeps their rows evenly spaced.
     arrival = down[0] / np.linalg.norm(down[0], axis=1, keepdims=True) * distance
 
-    def rows(spans, points, tangents, counts):
-        parts = [np.linspace(*span, n + 1)[:-1] for span, n in zip(pairwise(spans), counts)]
-        return CubicHermiteSpline(spans, points, tangents)(
-            np.append(np.concatenate(parts), spans[-1])
-        )
-
     lengths = -np.diff([waist[0, 2], hip[0, 2]])[0], 0.5 * (drop + np.linalg.norm(ends[0] - hip[0]))
-    torso = rows(
+    torso = _rows(
         levels[:3],
         np.stack([waist, hip, groin_line]),
         np.stack([*slopes(levels[:2]), above]),
@@ -180,7 +174,7 @@ def loft(waist, hip, thigh, knee, hem, ends, cell_size):
         CubicHermiteSpline(levels[2:4], np.stack([top, thigh]), np.stack([below, arrival])),
         count_cells(middle, cell_size, least=2),
     )
-    leg = rows(
+    leg = _rows(
         levels[3:],
         np.stack([thigh, knee, hem]),
         down,
@@ -190,3 +184,32 @@ def loft(waist, hip, thigh, knee, hem, ends, cell_size):
     crotch[0, half:, 1] = 0.0
     crotch[0, 0, 1] = 0.0
     return Loft(torso, np.concatenate([crotch, leg[1:]]))
+
+
+def _pull_of_ends(half):
+    """How much each end of the bridge pulls on the groin line, 0 to 1, and what is left free.
+
+    Columns (half + 1, 1) along the groin line: two of pull, one of the rest, in squares.
+    """
+    place = np.linspace(0.0, 1.0, half + 1)[:, None]
+    pull = [np.clip(1.0 - s / _REACH_OF_ENDS, 0.0, 1.0) for s in (place, 1.0 - place)]
+    return pull, 1.0 - pull[0] ** 2 - pull[1] ** 2
+
+
+def _bridge_slopes(along, distance):
+    """Slopes (n, 3) of the leg's columns at the bridge: sideways, and down along it to its ends.
+
+    along : (n, 3) unit tangents of the bridge; distance : (n, 1) to the thigh, over the drop
+    """
+    lean = np.cos(np.pi * np.linspace(0.0, 1.0, len(along)))[:, None]
+    start = np.cos(_SWING) * np.array([0.0, 1.0, 0.0]) + np.sin(_SWING) * lean * along
+    start *= _START * distance
+    return start
+
+
+def _rows(spans, points, tangents, counts):
+    """Rows on the cubic Hermite curves through `points`, counts[i] steps in the i-th span."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    parts = [np.linspace(*span, n + 1)[:-1] for span, n in zip(pairwise(spans), counts)]
+    return CubicHermiteSpline(spans, points, tangents)(np.append(np.concatenate(parts), spans[-1]))

@@ -12,6 +12,7 @@ import numpy as np
 from meshes.files.load import UNITS
 from meshes.geometry import area_vectors, cell_centres
 from meshes.repair import TURNED, boundary_loops
+from meshes.surface import Locator, Surface
 from meshes.topology import corner_count, directed_edges, neighbours, segments_of_line
 from meshes.validity import MeshError
 
@@ -21,7 +22,7 @@ _WAISTS = (0.3, 3.0)  # m; girths that somebody wears
 _USUAL_WAIST = 0.9
 
 
-def worn(surface, waist=None):
+def prepare_garment(surface: Surface, waist: str | Locator | None = None) -> Surface:
     """The garment with a named waist and hems, facing outward, with a warp direction.
 
     Parameters
@@ -55,6 +56,7 @@ def worn(surface, waist=None):
     if not loops:
         raise MeshError(f"{source}: the mesh is closed, open it at the waist to put it on.")
     if _enclosed_volume(surface, loops) < 0.0:
+        assert surface.directors is not None  # what has passed the check has them
         turned = surface.cells[:, TURNED[surface.cells.shape[1]]]
         surface = surface.replace(cells=turned, directors=-surface.directors)
         loops = boundary_loops(surface)
@@ -75,7 +77,7 @@ def worn(surface, waist=None):
     return surface.replace(edges=_names(surface, loops, place, middles), warp=warp)
 
 
-def regions(surface):
+def regions(surface: Surface) -> dict[str, np.ndarray]:
     """Points of the legs and of the torso, so that each may be kept to its part of the body.
 
     Parameters
@@ -96,7 +98,7 @@ def regions(surface):
     if missing:
         raise MeshError(
             f"{source}: a garment with legs needs the edge '{missing[0]}', name it with with_edges "
-            "or meshes.garments.prepare."
+            "or meshes.prepare_garment."
         )
     hems = [points[np.unique(surface.edges[f"{side}_hem"])] for side in ("left", "right")]
     left, right = (hem.mean(axis=0) for hem in hems)

@@ -7,13 +7,17 @@ therefore an ellipse scaled until its polygon, not its curve, has the girth.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
+
+Curve = Callable[[np.ndarray], np.ndarray]  # parameters (n,) in 0 to 1 -> points (n, 3)
 
 COARSE = 0.04  # m; cell sizes are brought between half of this and this by doubling
 _SAMPLES = 4001
 
 
-def count_cells(length, cell_size, least=1):
+def count_cells(length: float, cell_size: float, least: int = 1) -> int:
     """Number of cells of about ``cell_size`` [m] on ``length`` [m], at least ``least``.
 
     Half of a cell size of at most 0.04 m gives exactly twice the cells, so that each mesh of a
@@ -24,12 +28,12 @@ def count_cells(length, cell_size, least=1):
     return 2**doublings * max(least, round(length / (cell_size * 2**doublings)))
 
 
-def polygon_length(points):
+def polygon_length(points: np.ndarray) -> float:
     """Sum of the chords of a line (n, 3) in m."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
-def spread(curve, count):
+def spread(curve: Curve, count: int) -> np.ndarray:
     """Parameters (count + 1,) in 0 to 1 at equal arc lengths along ``curve``.
 
     Parameters
@@ -42,7 +46,7 @@ def spread(curve, count):
     return np.interp(np.linspace(0.0, lengths[-1], count + 1), lengths, parameters)
 
 
-def ellipse(ratio, start=0.0, turn=2.0 * np.pi):
+def ellipse(ratio: float, start: float = 0.0, turn: float = 2.0 * np.pi) -> Curve:
     """Curve on the ellipse x = cos, y = ratio sin from the angle ``start`` through ``turn`` rad."""
 
     def curve(t):
@@ -52,7 +56,7 @@ def ellipse(ratio, start=0.0, turn=2.0 * np.pi):
     return curve
 
 
-def half_ring(girth, ratio, count, lift=0.0):
+def half_ring(girth: float, ratio: float, count: int, lift: float = 0.0) -> np.ndarray:
     """The left half of a ring about the z axis, from the front (+x) to the back (-x).
 
     Parameters
@@ -80,7 +84,9 @@ def half_ring(girth, ratio, count, lift=0.0):
     return points
 
 
-def ring(girth, ratio, count, start=0.0, turn=2.0 * np.pi):
+def ring(
+    girth: float, ratio: float, count: int, start: float = 0.0, turn: float = 2.0 * np.pi
+) -> np.ndarray:
     """A flat closed ring of ``count`` equal segments about the z axis.
 
     Parameters
@@ -98,7 +104,7 @@ def ring(girth, ratio, count, start=0.0, turn=2.0 * np.pi):
     return girth / polygon_length(points) * points[:-1]
 
 
-def bezier(corners):
+def bezier(corners: Sequence[np.ndarray]) -> tuple[Curve, Curve]:
     """Cubic Bezier curve of four points (4, 3), and its derivative, as functions of t (n,)."""
     a, b, c, d = corners
 

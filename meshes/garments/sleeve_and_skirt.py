@@ -12,13 +12,14 @@ from itertools import pairwise
 import numpy as np
 
 from meshes.shapes.grid import patch
+from meshes.surface import Surface
 
 from .ring import count_cells, ring
 
 _GIRTHS = (0.05, 5.0)  # m; a bracelet and a hoop skirt
 
 
-def check_girths(garment, **girths):
+def check_girths(garment: str, **girths: float) -> None:
     """ValueError for the first girth that no garment has; most such girths are a slip of unit."""
     for name, value in girths.items():
         # Written so that a NaN counts as a fault.
@@ -29,7 +30,7 @@ def check_girths(garment, **girths):
             )
 
 
-def check_cell_size(garment, cell_size, most):
+def check_cell_size(garment: str, cell_size: float, most: float) -> None:
     """ValueError for cells larger than ``most`` [m] or too small to be meant."""
     if not 1e-3 <= cell_size <= most:
         raise ValueError(
@@ -37,7 +38,14 @@ def check_cell_size(garment, cell_size, most):
         )
 
 
-def sleeve(length, girth_top, girth_bottom, girth_middle=None, ratio=1.0, cell_size=0.025):
+def sleeve(
+    length: float,
+    girth_top: float,
+    girth_bottom: float,
+    girth_middle: float | None = None,
+    ratio: float = 1.0,
+    cell_size: float = 0.025,
+) -> Surface:
     """A tube from z = length down to z = 0, directors outward, warp down along it.
 
     Parameters
@@ -68,16 +76,16 @@ def sleeve(length, girth_top, girth_bottom, girth_middle=None, ratio=1.0, cell_s
 
 
 def skirt(
-    waist=0.74,
-    hip=1.02,
-    hem=1.30,
-    length=0.60,
-    hip_depth=0.20,
-    waist_height=1.04,
-    waist_ratio=1.30,
-    hem_ratio=1.10,
-    cell_size=0.025,
-):
+    waist: float = 0.74,
+    hip: float = 1.02,
+    hem: float = 1.30,
+    length: float = 0.60,
+    hip_depth: float = 0.20,
+    waist_height: float = 1.04,
+    waist_ratio: float = 1.30,
+    hem_ratio: float = 1.10,
+    cell_size: float = 0.025,
+) -> Surface:
     """A skirt on a body that stands on z = 0, directors outward, warp down along it.
 
     Parameters

@@ -1,7 +1,7 @@
 """Trousers as one surface of quads, standing as on a body with its feet on z = 0.
 
 x points forward, y to the left, z up. Girths are exact on the mesh; the right half is the mirror
-image of the left. The shape between the rings is in `fork`, sleeves and skirts are in `tube`.
+image of the left. The shape between the rings is in fork.py.
 """
 # SPDX-License-Identifier: LGPL-3.0-or-later
 
@@ -48,23 +48,23 @@ SIZES = _table()
 
 
 def trousers(
-    size="large-regular",
+    size: str = "large-regular",
     *,
-    waist=None,
-    hip=None,
-    thigh=None,
-    knee=None,
-    hem=None,
-    waist_height=None,
-    hip_height=None,
-    fork_height=None,
-    knee_height=None,
-    hem_height=None,
-    back_lift=0.025,
-    stance=0.10,
-    fork_gap=0.003,
-    cell_size=0.025,
-):
+    waist: float | None = None,
+    hip: float | None = None,
+    thigh: float | None = None,
+    knee: float | None = None,
+    hem: float | None = None,
+    waist_height: float | None = None,
+    hip_height: float | None = None,
+    fork_height: float | None = None,
+    knee_height: float | None = None,
+    hem_height: float | None = None,
+    back_lift: float = 0.025,
+    stance: float = 0.10,
+    fork_gap: float = 0.003,
+    cell_size: float = 0.025,
+) -> Surface:
     """A pair of trousers.
 
     Parameters
@@ -127,8 +127,8 @@ def trousers(
     hip_ring = around + [0.0, 0.0, measures["hip_height"]]
     waist_ring = half_ring(measures["waist"], _RATIOS["waist"], half, back_lift)
     waist_ring[:, 2] += measures["waist_height"]
-    legs = _leg_rings(measures, half, bridge, stance, fork_gap)
-    rows = loft(waist_ring, hip_ring, *legs, ends, cell_size)
+    thigh_ring, knee_ring, hem_ring = _leg_rings(measures, half, bridge, stance, fork_gap)
+    rows = loft(waist_ring, hip_ring, thigh_ring, knee_ring, hem_ring, ends, cell_size)
     try:
         surface = _joined(rows, half)
     except MeshError as error:

@@ -8,30 +8,37 @@ Points and cells are numbered with a running fastest.
 from __future__ import annotations
 
 import numbers
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshes.geometry import diagonal
 from meshes.surface import Surface
 from meshes.topology import cut_quads, segments_of_line
 
+Mapping = Callable[[np.ndarray, np.ndarray], Any]  # of parameters a, b, shape s -> (3, *s)
 
-def cell_counts(cells):
+
+def cell_counts(cells: int | Sequence[int]) -> tuple[int, int]:
     """Two positive cell counts from a pair or one number; ValueError otherwise."""
-    pair = (cells, cells) if isinstance(cells, numbers.Integral) else tuple(cells)
+    pair = tuple(cells) if isinstance(cells, Sequence | np.ndarray) else (cells, cells)
     if len(pair) != 2 or not all(isinstance(n, numbers.Integral) and n >= 1 for n in pair):
         raise ValueError(f"cells must be two whole numbers of at least 1, not {cells}")
     return int(pair[0]), int(pair[1])
 
 
-def positive(**lengths):
+def positive(**lengths: float) -> None:
     """ValueError naming the first length that is not a positive number."""
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be a positive length in m, not {value}")
 
 
-def number_cells(cells, degree, closed=(False, False)):
+def number_cells(
+    cells: tuple[int, int], degree: int, closed: tuple[bool, bool] = (False, False)
+) -> tuple[np.ndarray, np.ndarray]:
     """Point numbers on the grid and the quads between them.
 
     Returns ``grid`` (degree * n1 + 1, degree * n2 + 1) of point indices, repeated where closed,
@@ -48,13 +55,13 @@ def number_cells(cells, degree, closed=(False, False)):
     return grid, np.stack(quads, axis=1)
 
 
-def uniform(cells):
+def uniform(cells: tuple[int, int]) -> np.ndarray:
     """Corner parameters (n1 + 1, n2 + 1, 2) of the regular grid."""
     a, b = (np.linspace(0.0, 1.0, n + 1) for n in cells)
     return np.stack(np.meshgrid(a, b, indexing="ij"), axis=-1)
 
 
-def distorted(cells, amount, seed=0):
+def distorted(cells: int | Sequence[int], amount: float, seed: int = 0) -> np.ndarray:
     """Corner parameters (n1 + 1, n2 + 1, 2) with the inner corners displaced at random.
 
     Each inner corner moves by up to ``amount`` (0 to below 0.5) cell sizes in a and in b; the
@@ -69,7 +76,7 @@ def distorted(cells, amount, seed=0):
     return parameters
 
 
-def skewed(cells, shift):
+def skewed(cells: int | Sequence[int], shift: float) -> np.ndarray:
     """Corner parameters (n1 + 1, n2 + 1, 2) with the mesh lines a = const leaning.
 
     From b = 0 to b = 1 a line moves by ``shift`` cells in a at mid length, less towards a = 0 and
@@ -85,17 +92,17 @@ def skewed(cells, shift):
 
 
 def patch(
-    mapping,
-    cells,
-    degree=1,
-    triangles=False,
-    closed=(False, False),
-    normal=None,
-    names=("left", "right", "bottom", "top"),
-    warp=None,
-    parameters=None,
-    source="patch",
-):
+    mapping: Mapping,
+    cells: int | Sequence[int],
+    degree: int = 1,
+    triangles: bool = False,
+    closed: tuple[bool, bool] = (False, False),
+    normal: Mapping | None = None,
+    names: Sequence[str | None] = ("left", "right", "bottom", "top"),
+    warp: str | ArrayLike | None = None,
+    parameters: ArrayLike | None = None,
+    source: str = "patch",
+) -> Surface:
     """Structured mesh of the unit square carried by ``mapping``.
 
     Parameters
@@ -146,22 +153,23 @@ def patch(
         for name, line, shut in zip(names, lines, np.repeat(closed, 2))
         if name is not None and not shut
     }
+    yarns = None if warp is None or isinstance(warp, str) else np.asarray(warp)
     if isinstance(warp, str):
         if warp not in ("a", "b"):
             raise ValueError(f"warp must be a vector, vectors, 'a' or 'b', not '{warp}'")
         corners = points[quads[:, :4]]
         ahead = np.array([-1, 1, 1, -1] if warp == "a" else [-1, -1, 1, 1])
-        warp = np.einsum("mni,n->mi", corners, ahead)
-        warp = warp / np.linalg.norm(warp, axis=1, keepdims=True)
+        yarns = np.einsum("mni,n->mi", corners, ahead)
+        yarns = yarns / np.linalg.norm(yarns, axis=1, keepdims=True)
     if triangles:
         i, j = np.arange(len(quads)) % counts[0], np.arange(len(quads)) // counts[0]
         quads = cut_quads(quads, (i + j) % 2 == 1)
-        if np.ndim(warp) == 2:
-            warp = np.repeat(warp, 2, axis=0)
-    return Surface(points, quads, edges, directors, warp, source=source)
+        if yarns is not None and yarns.ndim == 2:
+            yarns = np.repeat(yarns, 2, axis=0)
+    return Surface(points, quads, edges, directors, yarns, source=source)
 
 
-def evaluate(function, nodes, what):
+def evaluate(function: Mapping, nodes: np.ndarray, what: str) -> np.ndarray:
     """Values (..., 3) of a function of a and b at parameters (..., 2)."""
     values = function(nodes[..., 0], nodes[..., 1])
     try:

@@ -5,7 +5,10 @@ gmsh. Both consist of quads throughout.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshes.geometry import diagonal
 from meshes.gmsh_model import gmsh_model
@@ -17,7 +20,9 @@ from meshes.topology import segments_of_line
 from .grid import cell_counts, number_cells, positive
 
 
-def disc(radius, cells, degree=1, warp=None):
+def disc(
+    radius: float, cells: int | Sequence[int], degree: int = 1, warp: ArrayLike | None = None
+) -> Surface:
     """Flat disc about the origin of the xy plane [m], quads throughout, directors +z.
 
     Parameters
@@ -30,7 +35,7 @@ def disc(radius, cells, degree=1, warp=None):
     Edge 'rim', counter-clockwise. Raises ValueError.
     """
     positive(radius=radius)
-    pair = (cells, max(1, (cells + 1) // 2)) if np.ndim(cells) == 0 else cells
+    pair = cells if isinstance(cells, Sequence | np.ndarray) else (cells, max(1, (cells + 1) // 2))
     across, outward = cell_counts(pair)
     if degree not in (1, 2):
         raise ValueError(f"degree must be 1 or 2, not {degree}")
@@ -59,12 +64,13 @@ def disc(radius, cells, degree=1, warp=None):
     number = np.arange(ring_grid.max() + 1) - 4 * last + len(inner)
     number[: 4 * last] = on_square
     turned = [0, 3, 2, 1, 7, 6, 5, 4, 8] if degree == 2 else [0, 3, 2, 1]
-    cells = np.concatenate([square_quads, number[ring_quads][:, turned]])
+    quads = np.concatenate([square_quads, number[ring_quads][:, turned]])
     flat = np.concatenate([inner, ring[1:].reshape(-1, 2)]) * radius
     points = np.column_stack([flat, np.zeros(len(flat))])
     directors = np.tile([0.0, 0.0, 1.0], (len(points), 1))
     edges = {"rim": segments_of_line(number[ring_grid[:, -1]], degree)}
-    return Surface(points, cells, edges, directors, warp, source="disc")
+    yarns = None if warp is None else np.asarray(warp)
+    return Surface(points, quads, edges, directors, yarns, source="disc")
 
 
 def _ordered_nodes(grid):
@@ -74,7 +80,13 @@ def _ordered_nodes(grid):
     return a.ravel()[order], b.ravel()[order]
 
 
-def from_outline(outline, size, quads=True, names=None, warp=None):
+def from_outline(
+    outline: ArrayLike,
+    size: float,
+    quads: bool = True,
+    names: Sequence[str | None] | None = None,
+    warp: ArrayLike | None = None,
+) -> Surface:
     """Flat panel inside a closed polygon, meshed by gmsh; the same arguments give the same mesh.
 
     Parameters
@@ -114,7 +126,7 @@ def from_outline(outline, size, quads=True, names=None, warp=None):
     flat_points, blocks, sides = _gmsh_mesh(plane, 2.0 * size if quads else size, quads)
     points = origin + flat_points @ frame
     names = ["outline"] * len(sides) if names is None else names
-    edges = {}
+    edges: dict[str, np.ndarray] = {}
     for name, side in zip(names, sides):
         if name is not None:
             edges[name] = np.concatenate([edges[name], side]) if name in edges else side
@@ -122,7 +134,8 @@ def from_outline(outline, size, quads=True, names=None, warp=None):
         points, cells, edges, _, _ = split_blocks(points, blocks, edges)
     else:
         (cells,) = blocks
-    surface = Surface(points, cells, edges, warp=warp, source="from_outline", verify=False)
+    yarns = None if warp is None else np.asarray(warp)
+    surface = Surface(points, cells, edges, warp=yarns, source="from_outline", verify=False)
     surface = orient(clean(surface), towards=normal)
     directors = np.tile(normal, (len(surface.points), 1))
     return surface.replace(directors=directors, verify=True)

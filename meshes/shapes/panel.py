@@ -7,7 +7,12 @@ joined) and the free-form panel, which are made in `outline` and named here for 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
+
+from meshes.surface import Surface
 
 from .grid import distorted, patch, positive, skewed
 from .outline import disc, from_outline
@@ -37,7 +42,15 @@ def _upward(a, b):
     return 0.0, 0.0, 1.0
 
 
-def rectangle(length, width, cells, degree=1, triangles=False, parameters=None, warp=None):
+def rectangle(
+    length: float,
+    width: float,
+    cells: int | Sequence[int],
+    degree: int = 1,
+    triangles: bool = False,
+    parameters: ArrayLike | None = None,
+    warp: str | ArrayLike | None = None,
+) -> Surface:
     """Flat rectangle 0 <= x <= length, 0 <= y <= width [m], directors +z.
 
     Edges 'left' (x = 0), 'right', 'bottom' (y = 0), 'top'; a runs along x, b along y. The other
@@ -57,16 +70,16 @@ def rectangle(length, width, cells, degree=1, triangles=False, parameters=None, 
 
 
 def annulus(
-    inner,
-    outer,
-    cells,
-    slit=True,
-    angle=_TURN,
-    degree=1,
-    triangles=False,
-    parameters=None,
-    warp=None,
-):
+    inner: float,
+    outer: float,
+    cells: int | Sequence[int],
+    slit: bool = True,
+    angle: float = _TURN,
+    degree: int = 1,
+    triangles: bool = False,
+    parameters: ArrayLike | None = None,
+    warp: str | ArrayLike | None = None,
+) -> Surface:
     """Flat ring between two radii [m] about the origin of the xy plane, directors +z.
 
     Parameters
@@ -104,15 +117,15 @@ def annulus(
 
 
 def cylinder(
-    radius,
-    length,
-    cells,
-    angle=_TURN,
-    degree=1,
-    triangles=False,
-    parameters=None,
-    warp=None,
-):
+    radius: float,
+    length: float,
+    cells: int | Sequence[int],
+    angle: float = _TURN,
+    degree: int = 1,
+    triangles: bool = False,
+    parameters: ArrayLike | None = None,
+    warp: str | ArrayLike | None = None,
+) -> Surface:
     """Cylinder about the z axis from z = 0 to z = length [m], directors outward.
 
     Parameters
@@ -140,15 +153,15 @@ def cylinder(
 
 
 def spherical_cap(
-    radius,
-    polar,
-    longitude=(0.0, _TURN),
-    cells=(16, 16),
-    degree=1,
-    triangles=False,
-    parameters=None,
-    warp=None,
-):
+    radius: float,
+    polar: tuple[float, float],
+    longitude: tuple[float, float] = (0.0, _TURN),
+    cells: int | Sequence[int] = (16, 16),
+    degree: int = 1,
+    triangles: bool = False,
+    parameters: ArrayLike | None = None,
+    warp: str | ArrayLike | None = None,
+) -> Surface:
     """Zone of a sphere about the origin, directors outward.
 
     Parameters

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Error against cost: the laws measured, and choices by them."""
+"""Error against cost: power laws measured, and choices of cells by them."""

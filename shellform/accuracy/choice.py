@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The measured trade between error and cost: the cheapest setting for an error asked for.
+"""Error against cost, as measured: the cheapest setting for an error asked for.
 
 Scenes whose solution is known, or known well from finer meshes, were run with cells of many sizes
 (`demos/studies/accuracy/run.py`, which writes the table read here). The relative error of a
@@ -14,16 +14,22 @@ the errors of its cells); `own` is what the scene itself leaves however small th
 is what another start changes where folds choose among many states: no cell size helps below it.
 """
 
-import math
-from dataclasses import dataclass, field, replace
+from __future__ import annotations
 
-from .measured import TABLE, laws
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Protocol
+
+from .convergence import PowerLaw
+from .measured import TABLE, power_laws
 
 WORDS = {"draft": 0.03, "standard": 0.01, "fine": 0.001}
 # cells in a garment, by the word: size over the length that matters; what error these leave in a
 # torque is measured, not asked for, as folds repeat to some ten percent only
 GARMENT = {"draft": 2.0, "standard": 1.4, "fine": 1.0}
-POOR = 0.1  # spreads and doubts above it are told
+POOR = 0.1  # spreads and doubts above it are named
 LIMB = 0.0525  # m, radius of a limb where trousers meet it
 # which quantity of a case an error is asked of
 LEADING = {
@@ -36,7 +42,14 @@ LEADING = {
 }
 
 
-def garment_length(fabric):
+class Bends(Protocol):
+    """A fabric, as far as its own weight bends it."""
+
+    def bending_length(self, g: float = ..., degrees: float = ...) -> float:
+        """Length [m] of cloth whose weight bends it by some degrees."""
+
+
+def garment_length(fabric: Bends) -> float:
     """Length [m] that matters for a garment: what folds, and what lies on a limb.
 
     A cell of a third of a limb's radius leaves (1/3)^2/12 = 1 % of mu phi of what a sliding cloth
@@ -55,7 +68,7 @@ class Choice:
     case, family : what was measured
     asked : float, relative error, or a word; None where a size of cells was given instead
     length : l [m]; ratio : h/l; predicted : {quantity: relative error}
-    kept : bool, whether the error asked for can be promised; laws : {quantity: Law}
+    kept : bool, whether the error asked for can be promised; power_laws : {quantity: PowerLaw}
     """
 
     case: str
@@ -66,54 +79,55 @@ class Choice:
     kept: bool = True
     sensitivity: float = 1.0
     own: float = 0.0
-    laws: dict = field(default_factory=dict, repr=False)
+    power_laws: dict = field(default_factory=dict, repr=False)
 
     @property
-    def size(self):
+    def size(self) -> float:
         """Size of a cell [m]."""
         return self.ratio * self.length
 
     @property
-    def law(self):
-        """Law of the quantity asked for."""
-        return self.laws[LEADING[self.case]]
+    def power_law(self) -> PowerLaw:
+        """How the error of the quantity asked for goes with the size."""
+        return self.power_laws[LEADING[self.case]]
 
     @property
-    def order(self):
+    def order(self) -> float:
         """Power of the size with which the error goes, 1 where none was measured."""
-        return self.law.order if self.laws else 1.0
+        return self.power_law.order if self.power_laws else 1.0
 
     @property
-    def predicted(self):
+    def predicted(self) -> dict[str, float]:
+        """Errors predicted, by quantity."""
         return {
             name: law.error(self.ratio, self.sensitivity, self.own)
-            for name, law in self.laws.items()
+            for name, law in self.power_laws.items()
         }
 
     @property
-    def error(self):
+    def error(self) -> float:
         """Error predicted for the quantity asked for."""
         return self.predicted.get(LEADING[self.case], math.nan)
 
-    def at(self, size):
+    def at(self, size: float) -> Choice:
         """The same with cells of another size [m], as a whole number of them asks for."""
         return replace(self, ratio=size / self.length)
 
     @property
-    def promised(self):
+    def promised(self) -> bool | None:
         """Whether the error predicted is what was asked for; None if nothing was."""
         if self.asked is None:
             return None
         return bool(self.kept and self.error <= relative_error(self.asked) * (1 + 1e-9))
 
     @property
-    def wish(self):
+    def wish(self) -> str:
         """What was asked for, as a text."""
         if self.asked is None:
             return "cells as given"
         return f"accuracy {self.asked if isinstance(self.asked, str) else percent(self.asked)}"
 
-    def lines(self, seconds=None):
+    def lines(self, seconds: float | None = None) -> list[str]:
         """Lines for a person, before the start; seconds : predicted [s] or None."""
         quantity, wish = LEADING[self.case], self.wish
         said = ", ".join(f"{name} {percent(e)}" for name, e in self.predicted.items())
@@ -122,7 +136,8 @@ class Choice:
             f"{self.ratio:.3g} of {1e3 * self.length:.3g} mm; predicted errors: {said}"
             + (f"; about {_time(seconds)}" if seconds is not None else "")
         ]
-        spread, doubt = (self.law.spread, self.law.doubt) if self.laws else (0.0, 0.0)
+        law = self.power_law if self.power_laws else PowerLaw(0.0, 1.0)
+        spread, doubt = law.spread, law.doubt
         if spread > POOR:
             lines.append(f"of {quantity} another start alone changes {percent(spread)}")
         if doubt > POOR:
@@ -131,24 +146,24 @@ class Choice:
                 f"{percent(doubt)}: take them for a guess"
             )
         if not self.kept:
-            law = self.law
-            if law.spread >= (0.0 if isinstance(self.asked, str) else self.asked):
-                why = f"runs from another start differ by {percent(law.spread)}"
+            spread = self.power_law.spread
+            if spread >= (self.asked if isinstance(self.asked, float) else 0.0):
+                why = f"runs from another start differ by {percent(spread)}"
             else:
                 why = f"cells so fine have not been measured; these leave {percent(self.error)}"
             lines.append(f"{wish} of {quantity} cannot be promised: {why}")
         return lines
 
-    def summary(self, estimated, how):
+    def summary(self, estimated: float | None, how: str) -> dict:
         """`accuracy` of summary.json: estimated : relative error reached, or None; how : text."""
         return {
             "asked": self.asked,
             "of": LEADING[self.case],
-            "predicted": self.error if self.laws else None,
+            "predicted": self.error if self.power_laws else None,
             "predicted_all": self.predicted,
             "promised": self.promised,
-            "another_start_changes": self.law.spread if self.laws else None,
-            "measured_against_known_to": self.law.doubt if self.laws else None,
+            "another_start_changes": self.power_law.spread if self.power_laws else None,
+            "measured_against_known_to": self.power_law.doubt if self.power_laws else None,
             "estimated": estimated,
             "how": how,
             "cell_size": self.size,
@@ -156,8 +171,15 @@ class Choice:
 
 
 def choose(
-    case, asked, length, sensitivity=1.0, own=0.0, families=None, work=None, table=TABLE
-):  # fmt: skip
+    case: str,
+    asked: float | str,
+    length: float,
+    sensitivity: float = 1.0,
+    own: float = 0.0,
+    families: Sequence[str] | None = None,
+    work: Callable[[str, float], float] | None = None,
+    table: Path = TABLE,
+) -> Choice:
     """The cheapest setting for an error.
 
     Parameters
@@ -173,23 +195,22 @@ def choose(
     """
     error = relative_error(asked)
     if case == "walk" and asked in GARMENT:
-        # a word fixes the cells; what errors they leave is told if it has been measured
-        measured = next(iter(laws(case, table, needed=False).values()), {})
-        return Choice(case, "quads", asked, length, GARMENT[asked], True, laws=measured)
-    known = laws(case, table)
+        # a word fixes the cells; what errors they leave is known if it has been measured
+        measured = next(iter(power_laws(case, table, needed=False).values()), {})
+        return Choice(case, "quads", asked, length, GARMENT[asked], True, power_laws=measured)
+    known = power_laws(case, table)
     found = []
     for family in families or [next(iter(known))]:
-        law = known[family][LEADING[case]]
-        ratio, kept = law.ratio(error, sensitivity, own)
+        ratio, kept = known[family][LEADING[case]].ratio(error, sensitivity, own)
         found.append(
             Choice(case, family, asked, length, ratio, kept, sensitivity, own, known[family])
         )
-    if len(found) == 1:
+    if len(found) == 1 or work is None:
         return found[0]
     return min(found, key=lambda c: (not c.kept, work(c.family, c.ratio)))
 
 
-def relative_error(asked):
+def relative_error(asked: float | str) -> float:
     """Relative error of a number, a word or 'N%'; ValueError for anything else."""
     if isinstance(asked, str):
         if asked in WORDS:
@@ -205,7 +226,7 @@ def relative_error(asked):
     return error
 
 
-def told(entry):
+def accuracy_line(entry: dict) -> str:
     """A line for a person after a run, from `Choice.summary`."""
     if entry["predicted"] is None:
         return f"error of {entry['of']}: not measured, measured.csv has none of this case"
@@ -215,7 +236,7 @@ def told(entry):
     return f"{line} ({entry['how']})"
 
 
-def percent(error):
+def percent(error: float) -> str:
     """An error as a text."""
     return f"{100 * error:.2g} %" if error < 0.995 else f"{100 * error:.0f} %"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The table of measured errors and costs, `trade.csv`, and the laws that follow from it.
+"""The table of measured errors and costs, measured.csv, and the power laws that follow.
 
 `demos/studies/accuracy/run.py --write` makes the table. A row is a run of one kind:
 
@@ -13,12 +13,13 @@
 import csv
 import math
 import time
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from .error_law import fit
+from .convergence import PowerLaw, fit
 
 TABLE = Path(__file__).with_name("measured.csv")
 COLUMNS = (
@@ -28,7 +29,7 @@ COLUMNS = (
 
 
 @lru_cache
-def read(path=TABLE):
+def read(path: Path = TABLE) -> list[dict]:
     """Rows of a table: case, family, quantity, kind as text, the rest numbers."""
     with open(path) as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -37,9 +38,11 @@ def read(path=TABLE):
 
 
 @lru_cache
-def laws(case, path=TABLE, needed=True):
-    """Laws {family: {quantity: Law}} of a case; ValueError if it is `needed` and not measured."""
-    found = {}
+def power_laws(
+    case: str, path: Path = TABLE, needed: bool = True
+) -> dict[str, dict[str, PowerLaw]]:
+    """{family: {quantity: PowerLaw}} of a case; ValueError if it is `needed` and not measured."""
+    found: dict = {}
     mine = [row for row in read(path) if row["case"] == case]
     for row in mine:
         if row["kind"] == "mesh":
@@ -51,13 +54,15 @@ def laws(case, path=TABLE, needed=True):
     spread = {row["quantity"]: row["error"] for row in mine if row["kind"] == "spread"}
     for family in found.values():
         for quantity, rows in family.items():
-            columns = ([row[k] for row in rows] for k in ("ratio", "error", "uncertainty"))
-            family[quantity] = fit(*columns, spread.get(quantity, 0.0))
+            ratios, errors, unsure = (
+                [row[k] for row in rows] for k in ("ratio", "error", "uncertainty")
+            )
+            family[quantity] = fit(ratios, errors, unsure, spread.get(quantity, 0.0))
     return found
 
 
 @lru_cache
-def cost(case, family, path=TABLE):
+def cost(case: str, family: str, path: Path = TABLE) -> tuple[float, float, float, float]:
     """Core-seconds a step (at no nodes, a node), MB (at no nodes, a node), by least squares."""
     from scipy.optimize import nnls
 
@@ -71,19 +76,19 @@ def cost(case, family, path=TABLE):
     return (*time_of, *memory)
 
 
-def tricks(case, names, path=TABLE):
+def tricks(case: str, names: Sequence[str], path: Path = TABLE) -> dict[str, dict]:
     """{name: {quantity: relative change, 'cost': over that without}} of tricks in use, as measured.
 
     A trick that was not measured in this case stands there with nothing.
     """
-    found = {name: {} for name in names}
+    found: dict[str, dict] = {name: {} for name in names}
     for row in read(path):
         if (row["case"], row["kind"]) == (case, "trick") and row["family"] in found:
             found[row["family"]] |= {row["quantity"]: row["error"], "cost": row["relative_cost"]}
     return found
 
 
-def machine():
+def machine() -> float:
     """Seconds of a fixed piece of numpy's work, the best of five: how fast this machine is."""
     a, b = np.linspace(1, 2, 6000).reshape(1000, 6), np.ones((1000, 6))
     best = math.inf
@@ -95,7 +100,7 @@ def machine():
     return best
 
 
-def step_of(case, size, path=TABLE):
+def step_of(case: str, size: float, path: Path = TABLE) -> float:
     """Explicit time step [s] of the fabric measured with cells of a size [m]: it goes with it."""
     rows = [
         r for r in read(path) if (r["case"], r["kind"]) == (case, "mesh") and r["time_step"] > 0
@@ -103,7 +108,7 @@ def step_of(case, size, path=TABLE):
     return size * float(np.median([r["time_step"] / (r["ratio"] * r["length"]) for r in rows]))
 
 
-def seconds(case, family, nodes, steps, path=TABLE):
+def seconds(case: str, family: str, nodes: float, steps: float, path: Path = TABLE) -> float:
     """Core-seconds of a run here and now, from those measured and the speed of this machine."""
     fixed, each, *_ = cost(case, family, path)
     mine = (case, "machine")
@@ -111,7 +116,7 @@ def seconds(case, family, nodes, steps, path=TABLE):
     return steps * (fixed + each * nodes) * (machine() / then[0] if then else 1.0)
 
 
-def memory(case, family, nodes, path=TABLE):
+def memory(case: str, family: str, nodes: float, path: Path = TABLE) -> float:
     """Peak memory [MB] of a run."""
     *_, fixed, each = cost(case, family, path)
     return fixed + each * nodes

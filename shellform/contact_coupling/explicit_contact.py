@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Contact of a shell in explicit steps: the hook between the kick and the drift, Eqs. 15 and 16.
+"""Contact of a shell in explicit steps: its turn between the kick and the drift, Eqs. 15 and 16.
 
-Gives the arrays of a stepper's owned nodes to `contact.Correction` and books what it did. Cloth is
+Gives the arrays of a stepper's owned nodes to `VelocityCorrection` and books what it did. Cloth is
 met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
@@ -15,11 +15,13 @@ goes to the support. Nodes held in all three are not met.
 """
 
 import time
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from contact.body.segments import Body
 from contact.solver.cell_samples import (
-    book_loss,
     collect,
     midpoints,
     particle_masses,
@@ -27,29 +29,29 @@ from contact.solver.cell_samples import (
     spread,
     too_thin,
 )
-from contact.solver.velocity_correction import Correction
+from contact.solver.contact_ledger import book_loss
+from contact.solver.friction import Friction
+from contact.solver.velocity_correction import VelocityCorrection
+from shellform.dynamics.part import RunningContact
 from shellform.fem.dolfinx_compat import Function, add_ghosts, cell_nodes, vector_space
 from shellform.fem.partition import DOLFINX_ORDER
 
+from . import contact_checkpoint
 
-class Touch:
-    """Hook of a `Stepper`: contact of a sheet with a body.
+
+class ExplicitContact(RunningContact):
+    """Contact of a sheet with a body in explicit steps; `stepper.add(Contact(body))` makes it.
 
     Parameters
     ----------
     stepper : Stepper, explicit
-    body : contact.body.segments.Body
-    friction : float or (mu_s, mu_k)
-    offset : float [m] or None: half the fabric's thickness
-    samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell
-    flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
-        each other (contact/solver/soft_crease.py); None: hard
+    body, friction, offset, samples, flesh_stiffness, recovery : see Contact
 
     Attributes
     ----------
-    correction : contact.Correction, with its counters and ledgers, those of samples included
-    inner : Correction of the samples, or None
-    seconds : float, spent in contact
+    body, last, window, ... : see RunningContact
+    correction : VelocityCorrection, with its counters and ledgers, those of samples included
+    inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     notes : list of str, ellipsoids that can pass between the points that are met
 
     Raises
@@ -58,25 +60,68 @@ class Touch:
     """
 
     def __init__(
-        self, stepper, body, friction=0.3, offset=None, samples="nodes", flesh_stiffness=None
-    ):
+        self,
+        stepper: Any,
+        body: Body,
+        friction: Any,
+        offset: float | None,
+        samples: int | str,
+        flesh_stiffness: float | None,
+        recovery: float,
+    ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
         self._held = np.ascontiguousarray(stepper.shell.supports.held[:n, :3])
         fixed = self._held.all(axis=1)
         self._guided = np.flatnonzero(self._held.any(axis=1) & ~fixed)
         areal = stepper.shell.fabric.areal_mass
-        self._pinch = {"flesh": flesh_stiffness / areal} if flesh_stiffness else {}
-        self.correction = Correction(body, n, friction, offset, fixed=fixed, **self._pinch)
+        self._how = {"recovery": recovery}
+        if flesh_stiffness:
+            self._how["flesh"] = flesh_stiffness / areal
+        self.correction = VelocityCorrection(body, n, friction, offset, fixed=fixed, **self._how)
+        self.body, self.last, self.window = body, self.correction.last, self.correction.window
+        self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self.inner = None
-        if not (isinstance(samples, str) and samples == "nodes") and samples != 0:
-            self._inside(stepper, body, friction, offset, midpoints(samples))
-        k = 0 if isinstance(samples, str) else samples
+        k: Any = 0 if samples == "nodes" else samples
+        if k != 0:
+            self._inside(stepper, body, friction, offset, midpoints(k))
         size = stepper.shell.surface.mean_cell_size
-        self.notes = too_thin(body.names, body.radii, size, offset, k)
-        stepper.hooks.append(self)
-        stepper.keep_old_velocities()
+        self.notes = too_thin(body, size, offset, k)
+
+    @property
+    def active(self) -> int:
+        return self.correction.active
+
+    @property
+    def sticking(self) -> int:
+        return self.correction.sticking
+
+    @property
+    def pinched(self) -> int:
+        return self.correction.pinched
+
+    @property
+    def max_depth(self) -> float:
+        return self.correction.max_depth
+
+    @property
+    def pinch_depth(self) -> float:
+        return self.correction.pinch_depth
+
+    @property
+    def start_pose(self) -> Any:
+        """Pose of the body at the start of the last step."""
+        return self.correction.start_pose
+
+    @property
+    def friction(self) -> Friction:
+        """Its law; may be changed between steps."""
+        return self.correction.friction
+
+    @friction.setter
+    def friction(self, value: Any) -> None:
+        self.correction.friction = value
 
     def _inside(self, stepper, body, friction, offset, weights):
         """Prepare samples in the cells of this rank; some of their nodes may be ghosts."""
@@ -88,7 +133,7 @@ class Touch:
             )
         self._weights = weights
         share = shares(surface.cells[:, DOLFINX_ORDER[4]], weights, len(surface.points))
-        self._cells = cell_nodes(partition.space).astype(np.int64)
+        self.cells = cell_nodes(partition.space).astype(np.int64)
         # nodal fields that ranks exchange: x, v, v before the forces, and the bits of `allowed`
         self._field = Function(vector_space(partition.mesh, "Lagrange", 1, 10))
         self._nodal = self._field.x.array.reshape(-1, 10)
@@ -96,15 +141,15 @@ class Touch:
         self._nodal[: partition.n_owned, 1] = stepper.mass
         self._field.x.scatter_forward()
         fixed, mass = self._nodal[:, 0] > 0.5, self._nodal[:, 1]
-        self._mass = particle_masses(self._cells, weights, share[partition.nodes], mass, fixed)
+        self._mass = particle_masses(self.cells, weights, share[partition.nodes], mass, fixed)
         k = len(self._mass)
         still = ~np.isfinite(self._mass)
         self._mass[still] = 1.0
         self._points, self._after = np.empty((k, 9)), np.empty((k, 9))
         self._free = np.empty_like(stepper.v)
-        self.inner = Correction(body, k, friction, offset, fixed=still, **self._pinch)
+        self.inner = VelocityCorrection(body, k, friction, offset, fixed=still, **self._how)
 
-    def __call__(self, stepper, dt):
+    def __call__(self, stepper: Any, dt: float) -> None:
         start = time.perf_counter()
         v, last = stepper.v, self.correction.last
         np.add(stepper.points, stepper.owned[:, :3], out=self._x)
@@ -135,7 +180,7 @@ class Touch:
     def _meet_inside(self, stepper, dt):
         """Contact of the samples, after that of the nodes."""
         outer, inner, n = self.correction, self.inner, stepper.n_owned
-        nodal, points, cells, weights = self._nodal, self._points, self._cells, self._weights
+        nodal, points, cells, weights = self._nodal, self._points, self.cells, self._weights
         if inner.friction != outer.friction:
             inner.friction = outer.friction
         nodal[:n, :3], nodal[:n, 3:6] = self._x, stepper.v
@@ -166,17 +211,33 @@ class Touch:
         for ledger in (outer.last, outer.window):
             ledger.table += inner.last.table
             ledger.impulse += impulse
-        outer._counts += inner._counts
-        outer.max_depth = max(outer.max_depth, inner.max_depth)
-        outer.pinch_depth = max(outer.pinch_depth, inner.pinch_depth)
+        outer.add_counts(inner)
 
-    def state(self):
-        """What the next step needs to know of this one, for `restore` (copies)."""
+    def touched(self) -> Any:
+        """What the next step needs to know of this one (copies)."""
         inner = None if self.inner is None else self.inner.state()
         return {"nodes": self.correction.state(), "inner": inner}
 
-    def restore(self, state):
-        """Continue from `state()`."""
-        self.correction.restore(state["nodes"])
+    def set_touched(self, touched: Any) -> None:
+        """Continue from `touched()`."""
+        self.correction.restore(touched["nodes"])
         if self.inner is not None:
-            self.inner.restore(state["inner"])
+            self.inner.restore(touched["inner"])
+
+    def state(self) -> Any:
+        """What is touched and what the window holds, for `restore` (copies)."""
+        window = self.window
+        return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds
+
+    def restore(self, state: Any) -> None:
+        """Continue from `state()`."""
+        touched, self.window.impulse[:], self.window.table[:], self.window.seconds = state
+        self.set_touched(touched)
+
+    def saved(self) -> dict[str, Any]:
+        """See Part."""
+        return contact_checkpoint.saved(self)
+
+    def resume(self, path: str | Path, state: dict[str, np.ndarray]) -> None:
+        """See RunningContact; ValueError for samples other than those of the file."""
+        contact_checkpoint.resume(self, path, state)

@@ -14,22 +14,28 @@ carried on where contact persists, so a node at rest is predicted to rest.
 
 Velocities follow by impulses: v_free, advanced over the step by all forces but contact, becomes
 admissible against the velocity of the surface at the end of the step, normals first, then friction
-(friction.py). These impulses are booked: momentum closes to roundoff, a node at rest gets its
-weight times dt. Positions that were not moved by velocities (the way out, the part of a step before
-a node is met) carry no momentum, but forces do work on that way; it is booked with the impact loss.
+(contact/solver/friction.py). These impulses are booked: momentum closes to roundoff, a node at rest
+gets its weight times dt. Positions that were not moved by velocities (the way out, the part of a
+step before a node is met) carry no momentum, but forces do work on that way; it is booked with the
+impact loss.
 """
 
 import time
+from typing import Any
 
 from mpi4py import MPI
 
 import numpy as np
 
 from contact.body.pose_check import require_no_jump
+from contact.body.segments import Body
 from contact.solver import active_set, held_nodes
 from contact.solver.contact_ledger import Ledger
-from contact.solver.friction import coefficients
-from contact.solver.held_nodes import FIXED, OPEN
+from contact.solver.friction import Friction, as_friction
+from contact.solver.held_nodes import FIXED, OPEN, SolvedStep
+from contact.solver.segment_motion import segment_records, set_motion
+from contact.solver.step_record import step_record
+from shellform.dynamics.part import RunningContact
 
 ROUNDS = 30  # solves of a step before it counts as failed
 NEAR = 1e-6  # of the scene's length: error of the place of a node on a curved surface
@@ -37,43 +43,44 @@ SOFT = 0.02  # relative change of friction loads at which they are settled
 SMALLEST = 1 / 64  # part of the largest step from which on unsettled contact is taken as it is
 
 
-class ImplicitTouch:
-    """Contact of an ImplicitNewmark with a body; stands where `touch.Touch` stands in a ledger.
+class ImplicitContact(RunningContact):
+    """Contact of a sheet with a body in implicit steps; `stepper.add(Contact(body))` makes it.
 
     Parameters
     ----------
     stepper : ImplicitNewmark
-    body : contact.body.segments.Body
-    friction : float or (mu_s, mu_k)
-    offset : float [m] or None: half the fabric's thickness
-    recovery : float, greatest speed at which a node that starts a step inside is moved out [m/s]
+    body, friction, offset, recovery : see Contact
 
     Attributes
     ----------
-    correction : self, for the ledger
-    last, window : contact.solver.node_contact.Ledger of the last step, of all since `reset`
-    segment : (n_owned,), segment that holds a node, -1 without contact
-    active, sticking : nodes held after the last step, of these in stick
+    body, last, window, ... : see RunningContact; active, sticking : nodes held after the last step
     rounds : int, active sets tried so far; unsettled : int, steps taken with a set still changing
-    max_depth : float, deepest start of the last step below the offset surface [m]
     seconds : float, spent outside the solves
     """
 
-    pinched = 0
+    active: int = 0
+    sticking: int = 0
+    pinched: int = 0
+    max_depth: float = 0.0
+    pinch_depth: float = 0.0
 
-    def __init__(self, stepper, body, friction=0.3, offset=None, recovery=0.1):
+    def __init__(
+        self, stepper: Any, body: Body, friction: Any, offset: float | None, recovery: float
+    ) -> None:
         n, shell = stepper.n_owned, stepper.shell
         if stepper.instant != 1.0:
             raise ValueError("midpoint steps know no contact; take ImplicitNewmark")
-        if stepper.contact is not None:
-            raise ValueError("this stepper has a body already; give all segments to one Body")
         if not recovery > 0:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
         offset = 0.5 * shell.fabric.thickness if offset is None else float(offset)
         if not 0 <= offset < np.inf:
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
-        self.body, self._radii = body, np.ascontiguousarray(body.radii, float)
-        self._law = (*coefficients(friction), offset, float(recovery))
+        self.body, self._segments = body, segment_records(body)
+        self._extents = np.array([shape.half_extents for shape in body.shapes])
+        self._friction, self._recovery = as_friction(friction), float(recovery)
+        self._step = step_record(self._friction, offset)
+        self._judge = active_set.judge_kernel(self._friction.kinetic_coefficient)
+        self._push = held_nodes.push_kernel(self._friction.kinetic_coefficient)
         self._set = held_nodes.new(n)
         self._set.state[shell.supports.held[:n, :3].any(axis=1)] = FIXED
         self._kept = held_nodes.copy(self._set)
@@ -82,20 +89,19 @@ class ImplicitTouch:
         self._goal = np.empty((n, 3))
         self.last, self.window = Ledger(n, len(body)), Ledger(n, len(body))
         self._start, self._end = body.new_pose(), body.new_pose()
-        self.correction, self.seconds = self, 0.0
-        self.active = self.sticking = self.rounds = self.unsettled = 0
-        self.max_depth = self.pinch_depth = 0.0
-        stepper.contact = self
+        self.seconds = 0.0
+        self.rounds = self.unsettled = 0
 
     @property
-    def segment(self):
+    def segment(self) -> np.ndarray:
         return np.where(self._set.state > OPEN, self._set.owner[:, 0], -1)
 
-    def reset(self):
-        """Begin a new window."""
-        self.window.clear()
+    @property
+    def friction(self) -> Friction:
+        """Its law."""
+        return self._friction
 
-    def solve(self, stepper, dt):
+    def solve(self, stepper: Any, dt: float) -> tuple[int, int] | None:
         """Solve a step for positions with its set; Newton iterations, in all and in the
         hardest solve, or None if it fails.
         """
@@ -103,11 +109,12 @@ class ImplicitTouch:
         most, clock = 0, time.perf_counter()
         self.body.pose(stepper.time, self._start)
         self.body.pose(stepper.time + dt, self._end)
-        require_no_jump(self.body.names, self._radii, self._start, self._end, stepper.time, dt)
+        require_no_jump(self.body.names, self._extents, self._start, self._end, stepper.time, dt)
         x0 = stepper.points + stepper.owned[:, :3]
         held_nodes.take(self._kept, self._set)
-        poses = (*self._start[:2], *self._end[:2], self._radii)
-        self.max_depth = active_set.begin(x0, *poses, self._law, dt, self._set)
+        self._step["dt"], self._step["recovery"] = dt, self._recovery * dt
+        set_motion(*self._start[:2], *self._end[:2], self._step["offset"][0], self._segments)
+        self.max_depth = active_set.begin(x0, self._segments, self._step[0], self._set)
         for k in range(ROUNDS):
             self._constrain(stepper)
             self.seconds += time.perf_counter() - clock
@@ -119,8 +126,14 @@ class ImplicitTouch:
                 return None
             total, most = total + done.iterations, max(most, done.iterations)
             x1 = stepper.points + stepper.owned[:, :3]
-            changed, gap, soft = active_set.judge(
-                x0, x1, eq.contact_force(), eq.factor[:, 0], *poses, self._law, self._set
+            changed, gap, soft = self._judge(
+                x0,
+                x1,
+                eq.contact_force(),
+                eq.factor[:, 0],
+                self._segments,
+                self._step[0],
+                self._set,
             )
             changed = comm.allreduce(changed)
             gap, soft = comm.allreduce(gap, MPI.MAX), comm.allreduce(soft, MPI.MAX)
@@ -139,7 +152,9 @@ class ImplicitTouch:
         stepper.equilibrium.hold(self._axes, self._held, self._goal)
         stepper.equilibrium.rubbing = self._set.load
 
-    def push(self, stepper, v_old, mean, moved, dt):
+    def push(
+        self, stepper: Any, v_old: np.ndarray, mean: np.ndarray, moved: np.ndarray, dt: float
+    ) -> np.ndarray:
         """Impulses of a solved step, booked; `stepper.v` is changed.
 
         Parameters
@@ -155,15 +170,14 @@ class ImplicitTouch:
         last, window = self.last, self.window
         last.clear()
         pushed = np.zeros_like(v_old)
-        self.active, self.sticking = held_nodes.push(
-            stepper.points + stepper.owned[:, :3], stepper.v, v_old, mean, moved, stepper.a,
-            stepper.mass, dt, *self._end[::2], self._end.spins, self._law, self._kept.state,
-            self._set, last.impulse, last.table, pushed,
+        x = stepper.points + stepper.owned[:, :3]
+        self.active, self.sticking = self._push(
+            SolvedStep(x, stepper.v, v_old, mean, moved, stepper.a, stepper.mass),
+            self._end.velocities, self._end.spins, self._segments, self._step[0],
+            self._kept.state, self._set, last.impulse, last.table, pushed,
         )  # fmt: skip
         held_nodes.take(self._set, self._kept)
         last.seconds = dt
-        window.seconds += dt
-        window.impulse += last.impulse
-        window.table += last.table
+        window.add(last)
         self.seconds += time.perf_counter() - clock
         return pushed

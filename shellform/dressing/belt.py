@@ -9,15 +9,20 @@ Hands are springs from the nodes of the edge to places that move; they hold with
 losing stiffness, and leave contact to do its part, as a prescribed motion would not.
 """
 
+from collections.abc import Callable
+from typing import Self
+
 from mpi4py import MPI
 
 import numpy as np
 
 from contact.kernel import kernel
+from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import AppliedForce
 
 
 @kernel
-def add_tension(x, tension, force):
+def add_tension(x: np.ndarray, tension: float, force: np.ndarray) -> None:
     """Add the forces of a closed cable through points x (k, 3) [m] to force (k, 3) [N]."""
     k = len(x)
     for i in range(k):
@@ -53,7 +58,7 @@ class Ring:
     ValueError if the edge is not one closed line
     """
 
-    def __init__(self, stepper, edge):
+    def __init__(self, stepper: Newmark, edge: str) -> None:
         partition = stepper.shell.partition
         segments = partition.edge(edge)[:, :2]
         closed = np.array_equal(segments[1:, 0], segments[:-1, 1])
@@ -67,7 +72,7 @@ class Ring:
         self.own = local[self.mine]
         self.x, self._comm = np.zeros((len(self.nodes), 3)), partition.comm
 
-    def look(self, stepper):
+    def look(self, stepper: Newmark) -> np.ndarray:
         """Bring `x` up to date on every rank."""
         self.x[:] = 0.0
         self.x[self.mine] = stepper.points[self.own] + stepper.owned[self.own, :3]
@@ -76,18 +81,23 @@ class Ring:
         return self.x
 
 
-class Belt:
-    """Pull of a `Newmark` stepper: a cable of tension `tension` [N] along a closed edge.
+class Belt(AppliedForce):
+    """A cable of tension `tension` [N] along a closed edge of a sheet in explicit steps.
 
     `tension` may be changed at any time; at 0 the belt costs nothing.
     """
 
-    def __init__(self, stepper, edge="waist", tension=0.0):
-        self.ring, self.tension = Ring(stepper, edge), tension
-        self._force = np.zeros_like(self.ring.x)
-        stepper.pulls.append(self)
+    def __init__(self, edge: str = "waist", tension: float = 0.0) -> None:
+        self.edge, self.tension = edge, tension
 
-    def __call__(self, stepper, force):
+    def attach(self, stepper: Newmark) -> Self:
+        """See Part; ValueError if the edge is not one closed line."""
+        self.ring = Ring(stepper, self.edge)
+        self._force = np.zeros_like(self.ring.x)
+        return super().attach(stepper)
+
+    def add_force(self, stepper: Newmark, force: np.ndarray) -> None:
+        """See AppliedForce."""
         if self.tension == 0.0:
             return
         self._force[:] = 0.0
@@ -95,25 +105,36 @@ class Belt:
         force[self.ring.own] += self._force[self.ring.mine]
 
 
-class Hands:
-    """Pull of a `Newmark` stepper: springs from the nodes of an edge to places that move.
+class Hands(AppliedForce):
+    """Springs from the nodes of an edge to places that move, in explicit steps.
 
     Parameters
     ----------
-    stepper : Newmark; edge : str
+    edge : str
     places : function of time -> (shift (3,) [m], velocity (3,) [m/s]) of the rest positions
     stiffness : float [N/m], damping : float [N s/m], of each node's spring
     """
 
-    def __init__(self, stepper, edge, places, stiffness, damping):
-        partition = stepper.shell.partition
-        self.own = partition.local(partition.find(edge))
-        self.own = self.own[self.own < partition.n_owned]
+    def __init__(
+        self,
+        edge: str,
+        places: Callable[[float], tuple[np.ndarray, np.ndarray]],
+        stiffness: float,
+        damping: float,
+    ) -> None:
+        self.edge = edge
         self.places, self.stiffness, self.damping = places, stiffness, damping
         self.hold = 1.0  # 1 firm, 0 let go
-        stepper.pulls.append(self)
 
-    def __call__(self, stepper, force):
+    def attach(self, stepper: Newmark) -> Self:
+        """See Part."""
+        partition = stepper.shell.partition
+        own = partition.local(partition.find(self.edge))
+        self.own = own[own < partition.n_owned]
+        return super().attach(stepper)
+
+    def add_force(self, stepper: Newmark, force: np.ndarray) -> None:
+        """See AppliedForce."""
         if self.hold == 0.0:
             return
         shift, velocity = self.places(stepper.time)

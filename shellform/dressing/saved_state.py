@@ -2,7 +2,7 @@
 """The dressed wearer as a file, to be used again for other motions of the same wearer.
 
 Positions and directors are kept as the standing wearer sees them: from the middle of the hips, with
-axes forward, left and up. Worn again, the cloth settles once more on the body it then meets.
+axes forward, left and up. Put on from there, the cloth settles once more on the body it then meets.
 """
 
 import os
@@ -10,25 +10,24 @@ from pathlib import Path
 
 import numpy as np
 
+from shellform.contact_coupling.contact import require_contact
+from shellform.dynamics.explicit import Newmark
 from shellform.motion.stance import stance
+from shellform.motion.wearer import Wearer
 
 from .belt import Belt
-from .dress import Dressing, settle
+from .procedure import Dressing
+from .settings import borrowed
+from .settle import settle_again
 
 
-def _axes(wearer):
-    """Middle of the hips (3,) and axes (3, 3) of the standing wearer, rows forward, left, up."""
-    _, middle, heading = stance(wearer)
-    up = np.array([0.0, 0.0, 1.0])
-    return middle, np.array([heading, np.cross(up, heading), up])
-
-
-def save(path, activity):
+def save(path: str | Path, stepper: Newmark, wearer: Wearer) -> None:
     """Write the present state atomically; all ranks call."""
-    positions, directors = activity.shell.positions(), activity.shell.directors()
-    if activity.comm.rank:
+    shell = stepper.shell
+    positions, directors = shell.positions(), shell.directors()
+    if shell.comm.rank:
         return
-    middle, axes = _axes(activity.wearer)
+    middle, axes = _axes(wearer)
     path = Path(path)
     part = path.with_name(path.name + ".part")
     with open(part, "wb") as file:
@@ -36,40 +35,49 @@ def save(path, activity):
             file,
             positions=(positions - middle) @ axes.T,
             directors=directors @ axes.T,
-            rest=activity.surface.points - activity.surface.points.mean(axis=0),
-            radii=activity.wearer.radii,
+            rest=shell.surface.points - shell.surface.points.mean(axis=0),
+            radii=wearer.radii,
         )
     os.replace(part, path)
 
 
-def wear(activity, path, plan=None):
-    """Put on the garment of a file and let it settle; returns the report of `dressing.settle`.
+def put_on(
+    path: str | Path,
+    stepper: Newmark,
+    tension: float,
+    dressing: Dressing | None = None,
+) -> tuple[Belt, dict]:
+    """Put on the garment of a file and let it settle on the wearer in contact.
+
+    Returns
+    -------
+    belt : Belt of `tension` [N], which stays; report : of `settle`
 
     Raises
     ------
     ValueError if the file is of another garment; FileNotFoundError
     """
-    plan = Dressing() if plan is None else plan
-    stepper, partition = activity.stepper, activity.shell.partition
+    dressing = Dressing() if dressing is None else dressing
+    surface, own = stepper.shell.surface, stepper.shell.partition.owned_nodes
     with np.load(path) as file:
         state = dict(file)
-    n = len(activity.surface.points)
+    n = len(surface.points)
     if "positions" not in state or len(state["positions"]) != n:
         raise ValueError(
             f"{path} is of a garment with {len(state.get('positions', ()))} nodes; "
-            f"{activity.surface.source} has {n}: dress anew, without it"
+            f"{surface.source} has {n}: dress anew, without it"
         )
-    middle, axes = _axes(activity.wearer)
-    own = partition.owned_nodes
-    stepper.owned[:, :3] = middle + state["positions"][own] @ axes - stepper.points
-    stepper.owned[:, 3:] = state["directors"][own] @ axes
-    stepper.v[:], stepper.q[:] = 0.0, 0.0
-    stepper.scatter()
-    drag = stepper.drag
-    stepper.time = activity.wearer.start - plan.settle
-    activity.belt = Belt(stepper, "waist", activity.scene.belt)
-    # at least once, as the wearer may be another
-    stepper.advance(stepper.time + 0.1)
-    report = settle(stepper, activity.touch, activity.belt, plan, lambda *_: None)
-    stepper.drag = drag
-    return report
+    middle, axes = _axes(require_contact(stepper, "dressing").body)
+    with borrowed(stepper):
+        stepper.owned[:, :3] = middle + state["positions"][own] @ axes - stepper.points
+        stepper.owned[:, 3:] = state["directors"][own] @ axes
+        stepper.v[:], stepper.q[:] = 0.0, 0.0
+        stepper.scatter()
+        return settle_again(stepper, tension, dressing)
+
+
+def _axes(wearer: Wearer) -> tuple[np.ndarray, np.ndarray]:
+    """Middle of the hips (3,) and axes (3, 3) of the standing wearer, rows forward, left, up."""
+    _, middle, heading = stance(wearer)
+    up = np.array([0.0, 0.0, 1.0])
+    return middle, np.array([heading, np.cross(up, heading), up])

@@ -5,7 +5,7 @@ Explicit (beta = 0, gamma = 1/2): lumped mass, central differences with velociti
 
     v(n+1/2) = v(n-1/2) + dt M^-1 (f_ext - f_int(x_n)),   x(n+1) = x(n) + dt v(n+1/2),
 
-which is Newmark's method written without accelerations. Hooks (contact) see the free velocities
+which is Newmark's method written without accelerations. Parts (contact) see the free velocities
 between the two lines and correct them in place.
 
 Damping, both off by default: `damping` [s] adds to the stress that of the strains' rates times this
@@ -14,47 +14,58 @@ stress (forces taken at x + damping v would feed on a buckling sheet); `drag` [1
 as still air does.
 """
 
+from typing import Any
+
 import numpy as np
 
 from shellform.errors import Unstable
-from shellform.fem.dolfinx_compat import Function
-from shellform.fem.internal_force import InternalForce
 from shellform.fem.lumped_mass import ROTARY_SCALE
+from shellform.fem.shell import Shell
 
 from . import explicit_kernels
+from .books import DAMPING, EXTERNAL, INTERNAL, WORKS, Books
+from .explicit_kernels import Forces, Nodes
 from .explicit_supports import conditions, follow
+from .external_force import ExternalForce
+from .force_model import ForceModel
+from .part import AppliedForce, Part
+from .shell_force import ShellForce
 from .stable_step import stable_step
 from .step_retry import Rewind
 from .time_stepper import Stepper, check_time
 
-WORKS = ("internal", "external", "drag", "support", "damping")
-
 
 class Newmark(Stepper):
-    """Explicit steps of a shell.
+    """Explicit steps of a sheet, by default of a shell.
 
     Parameters
     ----------
-    shell, hooks, rotary_scale, prefix : see Stepper
+    shell, rotary_scale, prefix : see Stepper
     time_step_factor : float, of the largest stable step
     damping : float [s]; drag : float [1/s]
+    force_model : ForceModel or None: the shell's own, with `damping`
 
     Attributes
     ----------
-    v, q : velocities at the last half step
-    pulls : list of callables (stepper, force), run at every kick and whenever velocities are asked
-        for, with positions and `time` of the kick: they add forces that depend on them to `force`
-        (n_owned, 3) [N] and change nothing else. Booked as external.
-    work : dict of sums [J] on this rank to the last half step: internal, external, drag (lost),
-        support, damping (lost, see `balance`)
-    external_total, support_total, drag_total : (3,) float, impulses of loads, supports and drag on
-        the owned nodes so far [N s]
-    works (5,), totals (3, 3) : the memory of `work` and of the three impulses
-    r : (n_owned, 6), internal forces of the last kick [N, N m]
-    critical_dt, last_dt : float [s], largest stable step when last looked at; the last step taken
+    v, q : velocities at the last half step; v_old : (n_owned, 3), before the last kick
+    clock, books : see books.py; balances are given at the present time, see `balance`
+    force_model : ForceModel, what pushes nodes from inside
+    external : ExternalForce, loads and forces that depend on the motion
+    forces : explicit_kernels.Forces of the last kick; nodes : explicit_kernels.Nodes
+    drag : float [1/s], may be changed between calls of `advance`
+    factor : float, `time_step_factor`
     rewind : Rewind, which cuts back steps that diverge in `advance`
-    held : (n_owned, 4) bool, u_x, u_y, u_z and the whole director
-    plane : (n_owned, 3), normal a director may not turn towards, zero where none
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Newmark(shell)
+    >>> stepper.advance(0.1)
+    >>> f"{shell.displacements()[:, 2].mean():.3f} m"
+    '-0.049 m'
     """
 
     recheck = 500  # steps between looks at the stable step and at the energy
@@ -62,52 +73,71 @@ class Newmark(Stepper):
 
     def __init__(
         self,
-        shell,
-        time_step_factor=0.9,
-        hooks=(),
-        damping=0.0,
-        drag=0.0,
-        rotary_scale=ROTARY_SCALE,
-        prefix="shell_",
-    ):
+        shell: Shell,
+        time_step_factor: float = 0.9,
+        damping: float = 0.0,
+        drag: float = 0.0,
+        rotary_scale: float = ROTARY_SCALE,
+        prefix: str = "shell_",
+        force_model: ForceModel | None = None,
+    ) -> None:
         check_settings(time_step_factor, damping, drag)
-        super().__init__(shell, hooks, rotary_scale, prefix)
-        self._field = shell.w if not damping else Function(shell.space)
-        self._ahead = self._field.x.array.reshape(-1, 6)
-        self._set_supports()
-        internal = InternalForce(shell, damped=damping > 0)
-        self._start(internal, time_step_factor, damping, drag)
-
-    def _start(self, internal, time_step_factor, damping, drag):
-        """Take over the source of internal forces, set books to zero, find the step."""
-        n, loads = self.n_owned, self.shell.loads
-        self.internal, self.factor = internal, time_step_factor
+        super().__init__(shell, rotary_scale, prefix)
+        n = self.n_owned
+        held, plane = conditions(shell.supports, n, shell.comm)
+        model = ShellForce(shell, damping) if force_model is None else force_model
+        if not model.turns_directors:
+            held[:, 3], plane[:] = True, 0.0
+        self.force_model, self.factor = model, time_step_factor
         self.damping, self.drag = damping, drag
-        self.force, self.support_impulse = np.zeros((n, 3)), np.zeros((n, 3))
-        self._steady, self.pulls, self._pulled = loads.steady(), [], False
-        self._dead = loads.force_at(0.0, self.force, default=1.0).copy()
-        self.totals, self.works = np.zeros((3, 3)), np.zeros(5)
-        self.external_total, self.support_total, self.drag_total = self.totals
+        self.nodes = Nodes(self.mass, self.inertia, held, plane)
+        self.external = ExternalForce(shell.loads, n)
+        self.support_impulse = np.zeros((n, 3))
+        self.forces = Forces(np.zeros((n, 6)), self.external.force, self.support_impulse)
         self.v_old, self._free = self.v.copy(), self.v.copy()
-        self.last_dt = self.last_kick = 0.0
-        self.fault, self.moved_sum = None, 0.0
+        self.fault: str | None = None
+        self.moved_sum = 0.0
         self.rewind = Rewind(self)
-        self.critical_dt = self.find_stable_step()
+        self.clock.critical_dt = self.find_stable_step()
         self.dt = self.factor * self.critical_dt
         # motion far below what any step resolves: energies below this are not judged
-        speed = 1e-6 * self.shell.surface.mean_cell_size / self.critical_dt
-        self.smallest_energy = 0.5 * self.shell.comm.allreduce(self.mass.sum()) * speed**2
-
-    def _set_supports(self):
-        supports = self.shell.supports
-        self.held, self.plane = conditions(supports, self.n_owned, self.shell.comm)
-        self._moving = bool(supports.motions)
+        speed = 1e-6 * shell.surface.mean_cell_size / self.critical_dt
+        self.smallest_energy = 0.5 * shell.comm.allreduce(self.mass.sum()) * speed**2
 
     @property
-    def work(self):
-        return dict(zip(WORKS, self.works.tolist(), strict=True))
+    def held(self) -> np.ndarray:
+        """Held components (n_owned, 4) bool: u_x, u_y, u_z and the whole director."""
+        return self.nodes.held
 
-    def advance(self, until):
+    @property
+    def critical_dt(self) -> float:
+        """Largest stable step [s] when last looked at."""
+        return self.clock.critical_dt
+
+    def set_clock(self, numbers: np.ndarray) -> None:
+        """Go back or on to the numbers of a clock, see `Clock.numbers`."""
+        self.clock.set(numbers)
+        self.fault, self.moved_sum = None, 0.0
+
+    def add_applied_force(self, part: AppliedForce) -> None:
+        """Let forces that depend on the motion push the nodes from now on."""
+        self.external.applied.append(part)
+
+    def remove(self, part: Part) -> None:
+        """Let a part run no longer."""
+        if isinstance(part, AppliedForce):
+            self.external.applied.remove(part)
+        else:
+            super().remove(part)
+
+    def describe(self) -> dict[str, Any]:
+        """See Stepper."""
+        plan = self.force_model.describe()
+        plan["terms"] += ["inertia", "rotary inertia"][: 1 + self.force_model.turns_directors]
+        plan["terms"] += [name for name in ("drag", "damping") if getattr(self, name)]
+        return plan | self.describe_contact()
+
+    def advance(self, until: float) -> None:
         """Step until a time [s] is reached exactly; steps that diverge are cut back.
 
         Raises
@@ -126,22 +156,23 @@ class Newmark(Stepper):
             except Unstable as fault:
                 self.rewind.back(fault)
 
-    def step(self, dt):
+    def step(self, dt: float) -> None:
         """One step of length dt [s]."""
+        clock = self.clock
         np.copyto(self.v_old, self.v)
-        self._next, length = dt, 0.5 * (self.last_dt + dt)
-        self.kick(length)
-        for hook in self.hooks:
+        kicked = 0.5 * (clock.last_dt + dt)
+        self.kick(kicked, dt)
+        for part in self.parts:
             try:
-                hook(self, dt)
+                part(self, dt)
             except FloatingPointError as fault:
                 self.fault = str(fault)  # other ranks learn of it at the next `check`
-        self._book(length)
-        self.last_kick = length
+        self._book(kicked)
+        clock.last_kick = kicked
         self.moved_sum = explicit_kernels.drift(self.owned, self.v, self.q, dt)
         self.scatter()
-        self.last_dt, self.time, self.steps = dt, self.time + dt, self.steps + 1
-        if self.steps % self.recheck == 0:
+        clock.last_dt, clock.time, clock.steps = dt, clock.time + dt, clock.steps + 1
+        if clock.steps % self.recheck == 0:
             self.check()
             self.rewind.look()
             self.check_step()
@@ -149,79 +180,52 @@ class Newmark(Stepper):
         elif self.shell.comm.size == 1:
             if self.fault or not np.isfinite(self.moved_sum):
                 self.check()
-        elif self.steps % self.watch == 0:
+        elif clock.steps % self.watch == 0:
             self.check()
 
-    def check(self):
+    def check(self) -> None:
         """Raise Unstable on all ranks if one has left the finite numbers; all ranks call."""
         fault, self.fault = self.fault, None
-        self.check_finite(self.moved_sum, self.last_dt, fault)
+        self.check_finite(self.moved_sum, self.clock.last_dt, fault)
 
-    def check_step(self):
+    def check_step(self) -> None:
         """Follow the stable step as the sheet deforms: down at once, up by a tenth at most."""
-        self.critical_dt = self.find_stable_step(iterations=12)
+        self.clock.critical_dt = self.find_stable_step(iterations=12)
         self.dt = min(self.rewind.cut * self.factor * self.critical_dt, 1.1 * self.dt)
 
-    def kick(self, dt):
-        """Velocities over dt by the forces at the present configuration, then the supports."""
-        r = self.internal_force()
-        self.works[4] += self._damping_loss(dt)
-        turning = self._add_moments(r, self.q)
-        self._update_loads()
-        self.r = r
-        self._kick(self.v, self.q, r, dt, self.support_impulse, self.works)
-        if turning:
-            _book_moments(*turning, self.q, dt, self.works)
+    def kick(self, kicked: float, dt: float) -> None:
+        """Velocities by the forces acting for `kicked` [s], then the supports; dt [s], the step."""
+        self.forces = self._push(self.v, self.q, kicked, self.support_impulse, self.books)
         np.copyto(self._free, self.v)
-        if self._moving:
-            self._follow(self._next, dt)
+        if self.shell.supports.motions:
+            follow(self, dt, kicked, self.forces)
+            if not self.force_model.turns_directors:
+                self.q[:] = 0.0
 
-    def _kick(self, v, q, r, dt, impulse, work):
+    def _push(self, v, q, dt, impulse, books):
+        """Change velocities v, q by the present forces acting for dt [s]; returns the forces."""
+        r = self.internal_force()
+        turning = self._add_moments(r, q)
+        forces = Forces(r, self.external.update(self), impulse)
         explicit_kernels.kick(
-            v, q, r, self.force, self.owned[:, 3:], self.held, self.plane, self.mass,
-            self.inertia, self.drag, dt, impulse, work,
-        )  # fmt: skip
+            v, q, forces, self.owned[:, 3:], self.nodes, self.drag, dt, books.works
+        )
+        if turning:
+            _book_moments(*turning, q, dt, books.works)
+        return forces
 
-    def _book(self, dt):
+    def _book(self, kicked):
+        """Book the last kick once all parts have had their say."""
         explicit_kernels.book(
-            self.v_old, self._free, self.v, self.r, self.force, self.held, self.mass, self.drag,
-            dt, self.support_impulse, self.works, self.totals,
-        )  # fmt: skip
+            self.v_old, self._free, self.v, self.forces, self.nodes, self.drag, kicked, self.books
+        )
+        self.books.works[DAMPING] += self.force_model.damping_loss(
+            self.v_old, self.v, kicked, self.clock.last_kick
+        )
 
-    def _damping_loss(self, dt):
-        """What damping takes in a kick of length dt [J], with what the kick before left to book.
-
-        The damping force R v works with the mean of v before the kick and after it, w:
-        v R (v + w)/2 = 3/4 v R v + 1/4 w R w - (w - v) R (w - v)/4. The last part is left out: of
-        second order, but for impacts, where the loss is booked too high by as much.
-        """
-        if not self.damping:
-            return 0.0
-        return self.internal.loss / self.damping * (0.25 * self.last_kick + 0.75 * dt)
-
-    def _follow(self, dt, kicked):
-        follow(self, dt, kicked)
-
-    def _update_loads(self):
-        if not self._steady:
-            self.force[:] = 0.0
-            self.shell.loads.force_at(self.time, self.force, default=1.0)
-        elif self.pulls or self._pulled:
-            np.copyto(self.force, self._dead)
-        for pull in self.pulls:
-            pull(self, self.force)
-        self._pulled = bool(self.pulls)
-
-    def internal_force(self):
+    def internal_force(self) -> np.ndarray:
         """Internal forces (n_owned, 6) [N, N m] at present, damped, less those of pressure."""
-        if self.damping:
-            explicit_kernels.ahead(
-                self.owned, self.v, self.q, self.damping, self._ahead[: self.n_owned]
-            )
-            self.scatter(self._field)
-        loads = self.shell.loads
-        pressure = loads.pressure_at(self.time, 1.0) if loads.pressures else 0.0
-        return self.internal(self.w, pressure, self._ahead)[: self.n_owned]
+        return self.force_model.force(self.w, self.v, self.q, self.time)
 
     def _add_moments(self, r, q):
         """Take moments, fixed in space, off the internal forces r; what `_book_moments` needs."""
@@ -234,32 +238,28 @@ class Newmark(Stepper):
         push[self.held[nodes, 3]] = 0.0
         return nodes, push, q[nodes]
 
-    def velocities(self):
+    def velocities(self) -> tuple[np.ndarray, np.ndarray]:
         """Velocities (n, 3) of nodes and directors brought from the half step to the present."""
         v, q, _ = self._present()
         return v, q
 
     def _present(self):
         """Velocities and works (5,) at the present time: half a kick further."""
-        v, q, works = self.v.copy(), self.q.copy(), self.works.copy()
-        r = self.internal_force()
-        impulse, dt = np.empty_like(v), 0.5 * self.last_dt
-        works[4] += self._damping_loss(dt)
-        turning = self._add_moments(r, q)
-        self._update_loads()
-        self._kick(v, q, r, dt, impulse, works)
-        if turning:
-            _book_moments(*turning, q, dt, works)
-        explicit_kernels.book(
-            self.v, v, v, r, self.force, self.held, self.mass, self.drag, dt, impulse, works,
-            np.zeros((3, 3)),
-        )  # fmt: skip
-        return v, q, works
+        v, q = self.v.copy(), self.q.copy()
+        books, dt = Books(self.books.works.copy(), np.zeros((3, 3))), 0.5 * self.clock.last_dt
+        forces = self._push(v, q, dt, np.empty_like(v), books)
+        explicit_kernels.book(self.v, v, v, forces, self.nodes, self.drag, dt, books)
+        books.works[DAMPING] += self.force_model.damping_loss(self.v, v, dt, self.clock.last_kick)
+        return v, q, books.works
 
-    def balance(self):
+    def strain_energy(self) -> dict[str, float]:
+        """Strain energy [J] by kind of term, on every rank."""
+        return self.force_model.energy(self.w)
+
+    def balance(self) -> dict[str, float]:
         """See Stepper; internal: the work of internal forces on nodes and directors.
 
-        Damping is booked kick by kick, see `_damping_loss`.
+        Damping is booked kick by kick, see `ForceModel.damping_loss`.
         """
         v, q, works = self._present()
         comm, owned = self.shell.comm, self.owned
@@ -270,7 +270,7 @@ class Newmark(Stepper):
         now["strain"] = sum(self.strain_energy().values())
         return now
 
-    def find_stable_step(self, iterations=30):
+    def find_stable_step(self, iterations: int = 30) -> float:
         """Largest stable step [s] at the present configuration, see stable_step.py."""
         try:
             return stable_step(self, iterations)
@@ -283,11 +283,11 @@ class Newmark(Stepper):
 def _book_moments(nodes, push, old, q, dt, works):
     """Take the work of moments on directors (push, force-like (k, 3)) off that of the sheet."""
     work = 0.5 * dt * np.vdot(push, old + q[nodes])
-    works[0] -= work
-    works[1] += work
+    works[INTERNAL] -= work
+    works[EXTERNAL] += work
 
 
-def check_settings(time_step_factor, damping, drag):
+def check_settings(time_step_factor: float, damping: float, drag: float) -> None:
     """ValueError for a step beyond the stable one or a negative damping."""
     if not 0 < time_step_factor <= 1:
         raise ValueError(

@@ -5,20 +5,57 @@ Velocities live at half steps. A kick adds the impulse of the forces to them, a 
 nodes by them: positions along straight lines, directors along great circles with their velocity
 carried parallel. Both conserve momentum and angular momentum exactly.
 
-Kernels work in place on plain arrays of the nodes of one rank.
+Kernels work in place on arrays of the nodes of one rank.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from contact.kernel import kernel
 
+from .books import Books
+
 NEAR = 0.01  # of an angle squared: the first term left out of the series is below 1e-20
+
+
+class Nodes(NamedTuple):
+    """What steps do not change of n nodes.
+
+    mass, inertia : (n,) [kg, kg m^2]
+    held : (n, 4) bool, u_x, u_y, u_z and the whole director
+    plane : (n, 3), normal that a director may not turn towards, zero where none
+    """
+
+    mass: np.ndarray
+    inertia: np.ndarray
+    held: np.ndarray
+    plane: np.ndarray
+
+
+class Forces(NamedTuple):
+    """What pushes n nodes in a kick.
+
+    internal : (n, 6), internal forces [N, N m]; external : (n, 3) [N]
+    support : (n, 3), the supports' impulse on the nodes [N s]
+    """
+
+    internal: np.ndarray
+    external: np.ndarray
+    support: np.ndarray
 
 
 @kernel
 def kick(
-    v, q, r, force, d, held, plane, mass, inertia, drag, dt, impulse, work
-):  # fmt: skip
+    v: np.ndarray,
+    q: np.ndarray,
+    forces: Forces,
+    d: np.ndarray,
+    nodes: Nodes,
+    drag: float,
+    dt: float,
+    work: np.ndarray,
+) -> None:
     """Add the impulse of internal and external forces over dt to the velocities.
 
     Held components keep their velocity; the impulse that takes is the supports'. Work on directors
@@ -27,16 +64,15 @@ def kick(
     Parameters
     ----------
     v, q : (n, 3), velocities of nodes [m/s] and directors [1/s], changed
-    r : (n, 6), internal forces [N, N m]; force : (n, 3), external forces [N]
+    forces : Forces, of which `support` is overwritten
     d : (n, 3), directors
-    held : (n, 4) bool, u_x, u_y, u_z and the whole director
-    plane : (n, 3), normal that a director may not turn towards, zero where none
-    mass, inertia : (n,) [kg, kg m^2]
+    nodes : Nodes
     drag : float [1/s], decay rate of the velocities relative to still air
     dt : float [s]
-    impulse : (n, 3) [N s], the supports' push on the nodes, overwritten
-    work : (4,) [J], of internal and external forces, taken by drag, of supports; added to
+    work : (5,) [J], see Books; added to
     """
+    r, force, impulse = forces.internal, forces.external, forces.support
+    mass, inertia, held, plane = nodes.mass, nodes.inertia, nodes.held, nodes.plane
     keep = (1.0 - 0.5 * dt * drag) / (1.0 + 0.5 * dt * drag)
     gain = dt / (1.0 + 0.5 * dt * drag)
     inner = slowed = 0.0  # sums in registers
@@ -65,7 +101,16 @@ def kick(
 
 
 @kernel
-def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
+def book(
+    v_old: np.ndarray,
+    free: np.ndarray,
+    v: np.ndarray,
+    forces: Forces,
+    nodes: Nodes,
+    drag: float,
+    dt: float,
+    books: Books,
+) -> None:
     """Book a kick whose velocities went from v_old to v, contact included.
 
     Work is impulse . (v_old + v)/2 for every impulse: that of all of them is the change of kinetic
@@ -75,9 +120,11 @@ def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
     ----------
     v_old, v : (n, 3) [m/s], before the kick and when all have had their say
     free : (n, 3) [m/s], just after `kick`: tells what drag took
-    r, force, held, mass, drag, dt, impulse, work : see kick
-    totals : (3, 3) [N s], rows: impulses of loads, supports and drag on the nodes; added to
+    forces, nodes, drag, dt : see kick
+    books : Books, added to
     """
+    r, force, impulse = forces.internal, forces.external, forces.support
+    mass, held, work, totals = nodes.mass, nodes.held, books.works, books.impulses
     inner = outer = lost = guided = 0.0
     for k in range(3):
         # over the nodes first: added to the totals one by one, each would be rounded as they are
@@ -103,7 +150,7 @@ def book(v_old, free, v, r, force, held, mass, drag, dt, impulse, work, totals):
 
 
 @kernel
-def work_over(force, v_old, v, dt):
+def work_over(force: np.ndarray, v_old: np.ndarray, v: np.ndarray, dt: float) -> float:
     """Work [J] of forces (n, 3) over dt while velocities go from v_old to v (n, 3)."""
     work = 0.0
     for i in range(force.shape[0]):
@@ -113,7 +160,7 @@ def work_over(force, v_old, v, dt):
 
 
 @kernel
-def near_cosine(square):
+def near_cosine(square: float) -> float:
     """Cosine of an angle whose square is below NEAR: the series, to roundoff."""
     return 1.0 - square / 2.0 * (
         1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0)))
@@ -121,7 +168,7 @@ def near_cosine(square):
 
 
 @kernel
-def near_sine(square):
+def near_sine(square: float) -> float:
     """Sine of an angle over the angle, whose square is below NEAR: the series, to roundoff."""
     return 1.0 - square / 6.0 * (
         1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0 * (1.0 - square / 110.0)))
@@ -129,7 +176,7 @@ def near_sine(square):
 
 
 @kernel
-def drift(w, v, q, dt):
+def drift(w: np.ndarray, v: np.ndarray, q: np.ndarray, dt: float) -> float:
     """Move nodes and directors by their velocities over dt.
 
     w : (n, 6), (u, d), changed; v : (n, 3); q : (n, 3), changed: carried along. Returns the sum of
@@ -164,7 +211,7 @@ def drift(w, v, q, dt):
 
 
 @kernel
-def ahead(w, v, q, time, out):
+def ahead(w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float, out: np.ndarray) -> None:
     """w + time (v, q): where the internal force is taken for stiffness-proportional damping."""
     for i in range(w.shape[0]):
         for k in range(3):
@@ -173,7 +220,15 @@ def ahead(w, v, q, time, out):
 
 
 @kernel
-def momenta(w, points, v, q, mass, inertia, out):
+def momenta(
+    w: np.ndarray,
+    points: np.ndarray,
+    v: np.ndarray,
+    q: np.ndarray,
+    mass: np.ndarray,
+    inertia: np.ndarray,
+    out: np.ndarray,
+) -> None:
     """Linear momentum, angular momentum about the origin and kinetic energy into out (7,)."""
     out[:] = 0.0
     for i in range(w.shape[0]):

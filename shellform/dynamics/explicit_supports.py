@@ -5,14 +5,20 @@ A node of prescribed motion gets the velocity that brings it where it is due at 
 the impulse that takes, and the moment on its director, is the supports'.
 """
 
+from typing import Any
+
 from mpi4py import MPI
 
 import numpy as np
 
-from shellform.fem.director import logarithmic_map, tangent_frames
+from shellform.fem.supports import Supports
+
+from .books import INTERNAL, SUPPORT
+from .explicit_kernels import Forces
+from .prescribed_motion import way_to_goal
 
 
-def conditions(supports, n, comm):
+def conditions(supports: Supports, n: int, comm: Any) -> tuple[np.ndarray, np.ndarray]:
     """Held components (n, 4) bool (u_x, u_y, u_z, director) and normals (n, 3) for directors.
 
     A director does not turn towards its normal; zero where there is none.
@@ -30,26 +36,22 @@ def conditions(supports, n, comm):
     return fixed, np.where(held[:, 4:] & ~held[:, 3:4], plane, 0.0)
 
 
-def follow(stepper, dt, kicked):
-    """Velocities that bring nodes of prescribed motion where they are due after dt [s].
+def follow(stepper: Any, dt: float, kicked: float, forces: Forces) -> None:
+    """Give nodes of prescribed motion the velocities that bring them where they are due in dt [s].
 
-    `kicked` [s] is the time over which the last kick added its forces, `stepper.r`.
+    `kicked` [s] is the time over which the last kick added its `forces`. Impulses and works are the
+    supports'.
     """
-    for local, u, d in stepper.shell.supports.prescribed(stepper.time + dt):
-        mine = local < stepper.n_owned
-        nodes = local[mine]
-        if u is not None:
-            v = (u[mine] - stepper.owned[nodes, :3]) / dt
+    for nodes, v, q in way_to_goal(stepper, dt):
+        if v is not None:
             push = stepper.mass[nodes, None] * (v - stepper.v[nodes])
-            stepper.support_impulse[nodes] += push
+            forces.support[nodes] += push
             stepper.v[nodes] = v
-        if d is not None:
-            now, old = stepper.owned[nodes, 3:], stepper.q[nodes]
-            T = tangent_frames(now)
-            q = np.einsum("nij,nj->ni", T, logarithmic_map(now, T, d[mine])) / dt
+        if q is not None:
+            old = stepper.q[nodes]
             stepper.q[nodes] = q
             # what turns them works against the sheet and their inertia
-            inner = 0.5 * kicked * np.vdot(stepper.r[nodes, 3:], old + q)
+            inner = 0.5 * kicked * np.vdot(forces.internal[nodes, 3:], old + q)
             gained = 0.5 * stepper.inertia[nodes] @ np.sum(q**2 - old**2, axis=1)
-            stepper.works[0] -= inner
-            stepper.works[3] += inner + gained
+            stepper.books.works[INTERNAL] -= inner
+            stepper.books.works[SUPPORT] += inner + gained

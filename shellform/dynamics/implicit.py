@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Implicit Newmark steps, beta > 0, by SNES: Sec. 3.1.3 of the paper, Eq. 13.
 
-With the constant lumped mass m and rotary inertia I of inertia.py, nodes move in space,
+With the constant lumped mass m and rotary inertia I of fem/lumped_mass.py, nodes move in space,
 
     u(n+1) = u + dt v + dt^2 ((1/2 - beta) a + beta a(n+1)),
     v(n+1) = v + dt ((1 - gamma) a + gamma a(n+1)),
@@ -27,14 +27,18 @@ A step that fails is halved and retried; the step follows the truncation error
 (beta - 1/6) dt^2 (a(n+1) - a) and the number of Newton iterations.
 """
 
+from typing import Any
+
 from mpi4py import MPI
 
 import numpy as np
 
 from shellform.errors import NotConverged
 from shellform.fem.director import along, carry
+from shellform.fem.shell import Shell
 from shellform.statics.newton import Newton
 
+from .books import BY_LOADS, EXTERNAL
 from .implicit_equilibrium import Inertial
 from .implicit_supports import book_drag, constrain, slowed
 from .time_stepper import Stepper
@@ -52,11 +56,12 @@ class ImplicitNewmark(Stepper):
         beta >= (gamma + 1/2)^2/4; None takes that value, gamma = 1/2 - alpha
     tolerance : float [m], truncation error allowed a step; None: dt changes with failures and
         Newton iterations only
-    hooks : callables (stepper, dt), run after each step that has been solved, with positions,
-        velocities and `time` at its end. They may look at everything and change `v` and `q` of
-        free nodes (an impulse), not positions. Contact is implicit_contact.ImplicitTouch.
     alpha : float, -1/3 to 0, damping of the modes that steps do not resolve
     drag : float [1/s], decay of all velocities as in still air, applied before each step
+
+    Parts run after each step that has been solved, with positions, velocities and `time` at its
+    end. They may look at everything and change `v` and `q` of free nodes (an impulse), not
+    positions.
 
     Attributes
     ----------
@@ -65,20 +70,40 @@ class ImplicitNewmark(Stepper):
         directors along the sphere [1/s^2]; set it to None after a jump of the loads or a change of
         positions
     newton_iterations, cutbacks : int, totals; solves : int, of which several a step with contact
-    work, external_total, support_total, drag_total : see Newmark; "internal" is not booked
+    books : see books.py; the work of internal forces is not booked
 
     Raises
     ------
     ValueError for a step, alpha, beta or gamma out of range, or a prescribed motion without time
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.ImplicitNewmark(shell, 5e-3)
+    >>> stepper.advance(0.1)
+    >>> f"{shell.displacements()[:, 2].mean():.3f} m"
+    '-0.049 m'
     """
 
+    implicit = True
     smallest = 1e-6  # part of the largest step below which a step has failed for good
     instant = 1.0  # part of the step at whose end it is solved
 
     def __init__(
-        self, shell, dt, beta=None, gamma=None, tolerance=None, hooks=(), rotary_scale=0.0,
-        prefix="shell_", alpha=0.0, drag=0.0,
-    ):  # fmt: skip
+        self,
+        shell: Shell,
+        dt: float,
+        beta: float | None = None,
+        gamma: float | None = None,
+        tolerance: float | None = None,
+        rotary_scale: float = 0.0,
+        prefix: str = "shell_",
+        alpha: float = 0.0,
+        drag: float = 0.0,
+    ) -> None:
         if not -1 / 3 <= alpha <= 0:
             raise ValueError(f"alpha of Hilber, Hughes and Taylor is from -1/3 to 0, not {alpha}")
         gamma = 0.5 - alpha if gamma is None else gamma
@@ -87,7 +112,7 @@ class ImplicitNewmark(Stepper):
         if not beta > 0 or not gamma >= 0.5:
             raise ValueError(
                 f"implicit steps need beta > 0 and gamma >= 1/2, not {beta} and {gamma}; "
-                "beta = 0 is newmark.Newmark"
+                "beta = 0 is explicit, Newmark"
             )
         if not 0 < dt < np.inf:
             raise ValueError(f"a time step is a positive number of seconds, not {dt}")
@@ -98,35 +123,38 @@ class ImplicitNewmark(Stepper):
         if shell.supports.steady_goals():
             raise ValueError("in dynamics a prescribed displacement is a function of time")
         self.equilibrium = Inertial(shell)
-        super().__init__(shell, hooks, rotary_scale, prefix)
+        super().__init__(shell, rotary_scale, prefix)
         self.equilibrium.load_factor = 1.0
         self.newton = Newton(self.equilibrium, prefix)
         self.beta, self.gamma, self.alpha, self.drag = beta, gamma, alpha, drag
         self.tolerance = tolerance
         self.dt = self.largest_dt = dt
         self._mass6 = np.repeat(np.column_stack([self.mass, self.inertia]), 3, axis=1)
-        self.a, self.contact = None, None
+        self.a: np.ndarray | None = None
+        self._destroyed = False
         self.newton_iterations = self.cutbacks = self.solves = 0
-        self.last_dt = 0.0
-        self.work = dict.fromkeys(("internal", "external", "drag", "support"), 0.0)
-        self.external_total, self.support_total = np.zeros(3), np.zeros(3)
-        self.drag_total = np.zeros(3)
 
     @property
-    def held(self):
+    def held(self) -> np.ndarray:
         """Held displacements and wholly held directors (n_owned, 4), bool."""
         held = self.shell.supports.held[: self.n_owned]
         return np.column_stack([held[:, :3], held[:, 3] & held[:, 4]])
 
-    def check_step(self):
-        """Take over positions, velocities and time set from outside (particles.hand_over)."""
+    def check_step(self) -> None:
+        """Take over positions, velocities and time set from outside (mass_spring.hand_over)."""
         self.a = None
 
-    def velocities(self):
+    def describe(self) -> dict[str, Any]:
+        """See Stepper."""
+        plan = super().describe()
+        plan["terms"] += ["drag"] if self.drag else []
+        return plan
+
+    def velocities(self) -> tuple[np.ndarray, np.ndarray]:
         """Velocities (n_owned, 3) of nodes [m/s] and directors [1/s] at the present time."""
         return self.v.copy(), self.q.copy()
 
-    def step(self, dt):
+    def step(self, dt: float) -> None:
         """One step of length dt [s], in parts if it must be cut back.
 
         Raises
@@ -168,9 +196,9 @@ class ImplicitNewmark(Stepper):
             return False
         self._finish(old, force, outer, dt)
         self.newton_iterations += done[0]
-        self.time, self.steps = self.time + dt, self.steps + 1
-        for hook in self.hooks:
-            hook(self, dt)
+        self.clock.time, self.clock.steps = self.time + dt, self.steps + 1
+        for part in self.parts:
+            part(self, dt)
         self.check_finite(self.owned.sum() + self.v.sum() + self.q.sum(), dt)
         self._choose_step(dt, error, done[1])
         return True
@@ -226,8 +254,8 @@ class ImplicitNewmark(Stepper):
         constrain(self, free, self.time + dt, dt)
         if self.contact is not None:
             self._pushed = self.contact.push(self, v_old, mean[:, :3], moved, dt)
-        self.external_total += dt * pull.sum(axis=0)
-        self.work["external"] += np.vdot(pull, moved)
+        self.books.impulses[BY_LOADS] += dt * pull.sum(axis=0)
+        self.books.works[EXTERNAL] += np.vdot(pull, moved)
 
     def _choose_step(self, dt, error, iterations):
         growth = 1.5 if iterations <= 8 else 0.7
@@ -244,9 +272,9 @@ class ImplicitNewmark(Stepper):
         outer = np.zeros((self.n_owned, 3))
         return rates, self.shell.loads.force_at(time, outer, eq.load_factor)
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free PETSc's objects; the shell keeps its state."""
-        if self.newton is not None:
+        if not self._destroyed:
             self.newton.destroy()
             self.equilibrium.destroy()
-            self.newton = None
+            self._destroyed = True

@@ -6,18 +6,20 @@ its tangent plane, takes the place of a displacement. Parallel transport along t
 vectors from one tangent plane to another.
 
 Contact holds nodes in planes that change from solve to solve. So every node has axes of its own for
-its displacement (Q of equilibrium.py), the world's until contact turns them.
+its displacement (Q of statics/equilibrium.py), the world's until contact turns them.
 """
 
-from types import SimpleNamespace
+from typing import Any
 
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import numpy as np
 
 from shellform.fem import director
 from shellform.fem.director import carry, turn_to
 from shellform.fem.dolfinx_compat import Function
+from shellform.fem.shell import Shell
 from shellform.statics.equilibrium import Equilibrium
 from shellform.statics.tangent_map import TangentMap
 
@@ -36,43 +38,49 @@ class Inertial(Equilibrium):
     rubbing : (n_owned, 3) or None, friction on nodes that slip [N]
     """
 
-    factor = rubbing = None
+    factor: np.ndarray | None = None
+    rubbing: np.ndarray | None = None
+    start_d: np.ndarray
+    ahead_u: np.ndarray
+    ahead_d: np.ndarray
+    _in_contact: np.ndarray | None = None
+    _contact_goal: np.ndarray
 
-    def __init__(self, shell):
+    def __init__(self, shell: Shell) -> None:
         super().__init__(shell)
         supports = shell.supports
         self.moves, self.has_goal = self.has_goal, True
         self.held, self.Q = supports.held.copy(), supports.Q.copy()
         self._Q_owned = self.Q[: self.n_owned]
         self._fixed = supports.held[: self.n_owned, :3].any(axis=1)
-        self._in_contact, self._contact_goal = None, None
         self._axes = Function(shell.space)
         self.P.matrix.destroy()
-        self.P = _TurningMap(shell, self.length)
+        self.P = TangentMap(shell, self.length, turning=True)
         self.set_base()
 
     # -- inertia ----------------------------------------------------------------------------------
 
-    def configure(self, x):
+    def configure(self, x: PETSc.Vec) -> None:
         """Set w and the frames from the unknowns, and where inertia would have them."""
         super().configure(x)
         if self.factor is not None:
             self.predict()
 
-    def predict(self):
+    def predict(self) -> None:
         """Put the field that inertia pulls the present one to into `inertia`."""
+        assert self.factor is not None  # set before the first step
         d = self._w()[: self.n_owned, 3:]
         pull = carry(turn_to(self.start_d, d) - self.ahead_d, self.start_d, d)
         self.inertia = (self.factor, np.hstack([self.ahead_u, d - pull]))
 
-    def forces(self, stress_from=None):
+    def forces(self, stress_from: Any = None) -> np.ndarray:
         """See Equilibrium; less the friction on nodes that slip."""
         r6 = super().forces(stress_from)
         if self.rubbing is not None:
             r6[:, :3] -= self.rubbing
         return r6
 
-    def free_part(self, rates):
+    def free_part(self, rates: np.ndarray) -> np.ndarray:
         """Of rates (n_owned, 6) of w, the part along the unknowns that supports leave free."""
         supports, n = self.shell.supports, self.n_owned
         T, Q = self.T[:n], supports.Q[:n]
@@ -82,7 +90,7 @@ class Inertial(Equilibrium):
 
     # -- contact ----------------------------------------------------------------------------------
 
-    def hold(self, axes, held, goal):
+    def hold(self, axes: np.ndarray, held: np.ndarray, goal: np.ndarray) -> None:
         """Hold nodes along axes of their own, until the next call; all ranks call.
 
         Parameters
@@ -104,7 +112,7 @@ class Inertial(Equilibrium):
         self.held[:n, :3] = self.shell.supports.held[:n, :3] | self._in_contact
         self.P.turn(self._Q_owned, ~self.held[:n])
 
-    def contact_force(self):
+    def contact_force(self) -> np.ndarray:
         """Forces (n_owned, 3) [N] that hold nodes in contact, at the last residual."""
         if self._in_contact is None:
             return np.zeros((self.n_owned, 3))
@@ -123,22 +131,3 @@ class Inertial(Equilibrium):
         largest = self.shell.comm.allreduce(np.abs(gap).max(initial=0.0), op=MPI.MAX)
         if largest > NEGLIGIBLE * self.length:
             super()._lift(x, r5)
-
-
-class _TurningMap(TangentMap):
-    """P of nodes whose axes may turn between solves."""
-
-    def __init__(self, shell, length):
-        supports, n = shell.supports, len(shell.supports.held)
-        every = SimpleNamespace(inclined=np.ones(n, bool), Q=supports.Q, held=supports.held)
-        stand_in = SimpleNamespace(
-            partition=shell.partition, supports=every, space=shell.space, comm=shell.comm
-        )
-        super().__init__(stand_in, length)
-
-    def turn(self, Q, free):
-        """Take axes Q (n_owned, 3, 3) and the unknowns that are free (n_owned, 5)."""
-        self._free = free
-        for i in range(3):
-            for j in range(3):
-                self._values[self._start[:, i] + j] = Q[:, j, i] * free[:, j]

@@ -19,7 +19,9 @@ import numpy as np
 
 from shellform.fem.director import along, carry
 from shellform.fem.lumped_mass import ROTARY_SCALE
+from shellform.fem.shell import Shell
 
+from .books import BY_LOADS, EXTERNAL
 from .implicit import ImplicitNewmark
 from .implicit_supports import book_drag, constrain, slowed
 
@@ -29,8 +31,8 @@ class ImplicitMidpoint(ImplicitNewmark):
 
     Parameters
     ----------
-    shell, dt, tolerance, hooks, prefix, drag : see ImplicitNewmark
-    rotary_scale : float, see inertia.py; that of explicit steps by default, see above
+    shell, dt, tolerance, prefix, drag : see ImplicitNewmark
+    rotary_scale : float, see fem/lumped_mass.py; that of explicit steps by default, see above
 
     Attributes and errors as there; `a` is that of the middle of the last step.
     """
@@ -39,15 +41,14 @@ class ImplicitMidpoint(ImplicitNewmark):
 
     def __init__(
         self,
-        shell,
-        dt,
-        tolerance=None,
-        hooks=(),
-        rotary_scale=ROTARY_SCALE,
-        prefix="shell_",
-        drag=0.0,
-    ):
-        super().__init__(shell, dt, 0.25, 0.5, tolerance, hooks, rotary_scale, prefix, drag=drag)
+        shell: Shell,
+        dt: float,
+        tolerance: float | None = None,
+        rotary_scale: float = ROTARY_SCALE,
+        prefix: str = "shell_",
+        drag: float = 0.0,
+    ) -> None:
+        super().__init__(shell, dt, 0.25, 0.5, tolerance, rotary_scale, prefix, drag=drag)
 
     def _predict(self, old, dt):
         eq, velocity = self.equilibrium, slowed(self, dt)
@@ -80,5 +81,5 @@ class ImplicitMidpoint(ImplicitNewmark):
         self.scatter()
         self.equilibrium.adopt()
         self.a, self._force, self._outer = force, force, outer
-        self.external_total += dt * outer.sum(axis=0)
-        self.work["external"] += np.vdot(outer, self.owned[:, :3] - old[:, :3])
+        self.books.impulses[BY_LOADS] += dt * outer.sum(axis=0)
+        self.books.works[EXTERNAL] += np.vdot(outer, self.owned[:, :3] - old[:, :3])

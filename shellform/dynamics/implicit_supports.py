@@ -4,12 +4,15 @@
 Drag acts before the forces of a step: a node at rest feels none, so it leaves weights alone.
 """
 
+from typing import Any
+
 import numpy as np
 
-from shellform.fem.director import along
+from .books import BY_DRAG, BY_SUPPORTS, DRAG, SUPPORT
+from .prescribed_motion import rate_at
 
 
-def slowed(stepper, dt):
+def slowed(stepper: Any, dt: float) -> np.ndarray:
     """Velocities (n_owned, 6) after the drag of a step; what is held keeps its velocity."""
     velocity = np.hstack([stepper.v, stepper.q])
     if not stepper.drag:
@@ -17,16 +20,16 @@ def slowed(stepper, dt):
     return velocity - (1 - np.exp(-stepper.drag * dt)) * stepper.equilibrium.free_part(velocity)
 
 
-def book_drag(stepper, after):
+def book_drag(stepper: Any, after: np.ndarray) -> None:
     """Book the impulse and the loss that leave velocities `after` (n_owned, 6) of the present."""
     before = np.hstack([stepper.v, stepper.q])
     inertia = np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1)
     push = inertia * (after - before)
-    stepper.work["drag"] -= 0.5 * np.vdot(push, after + before)
-    stepper.drag_total += push[:, :3].sum(axis=0)
+    stepper.books.works[DRAG] -= 0.5 * np.vdot(push, after + before)
+    stepper.books.impulses[BY_DRAG] += push[:, :3].sum(axis=0)
 
 
-def constrain(stepper, free, time, dt):
+def constrain(stepper: Any, free: np.ndarray, time: float, dt: float) -> None:
     """Set `v`, `q` to what supports leave of free velocities (n_owned, 6); book their impulses.
 
     time : float, end of the step of length dt [s]
@@ -34,23 +37,11 @@ def constrain(stepper, free, time, dt):
     velocity = stepper.equilibrium.free_part(free)
     stepper.v[:], stepper.q[:] = velocity[:, :3], velocity[:, 3:]
     if stepper.equilibrium.moves:
-        follow(stepper, time, 1e-3 * dt)
+        for nodes, v, q in rate_at(stepper, time, 1e-3 * dt):
+            if v is not None:
+                stepper.v[nodes] = v
+            if q is not None:
+                stepper.q[nodes] = q
     push = stepper.mass[:, None] * (stepper.v - free[:, :3])
-    stepper.support_total += push.sum(axis=0)
-    stepper.work["support"] += np.vdot(push, stepper.v)
-
-
-def follow(stepper, time, h):
-    """Velocities of nodes of prescribed motion: one-sided differences of second order over h.
-
-    Newmark's formula would give them a velocity that rings about the true one.
-    """
-    places = [stepper.shell.supports.prescribed(time - k * h) for k in range(3)]
-    for (local, u, d), (_, u1, d1), (_, u2, d2) in zip(*places, strict=True):
-        mine = local < stepper.n_owned
-        nodes = local[mine]
-        if u is not None:
-            stepper.v[nodes] = ((3 * u - 4 * u1 + u2) / (2 * h))[mine]
-        if d is not None:
-            turn = ((3 * d - 4 * d1 + d2) / (2 * h))[mine]
-            stepper.q[nodes] = turn - along(turn, stepper.owned[nodes, 3:])
+    stepper.books.impulses[BY_SUPPORTS] += push.sum(axis=0)
+    stepper.books.works[SUPPORT] += np.vdot(push, stepper.v)

@@ -1,40 +1,73 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The particle model: masses and springs in symplectic Euler steps, Secs. 2.1 and 3 of the paper.
 
-The steps are those of newmark.py, of which symplectic Euler is another writing (velocities at half
+The steps are those of explicit.py, of which symplectic Euler is another writing (velocities at half
 steps, the first kick half as long); the forces come from springs.py. Provot's limit (Proc. Graphics
 Interface, 1995) shortens structural and shear springs that would end a step beyond it, before the
-hooks see the velocities, so that contact has the last word. The impulses go along the spring by
+parts see the velocities, so that contact has the last word. The impulses go along the spring by
 inverse masses: momentum is kept, angular momentum to the turn of the spring in a step.
 
 Directors are the surface's normals, brought up to date at output.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from contact.kernel import kernel
+from shellform.fem.shell import Shell
 
 from .explicit import Newmark, check_settings
-from .explicit_kernels import work_over
+from .explicit_kernels import Forces
 from .springs import Springs
-from .time_stepper import Stepper
+
+
+class Limit(NamedTuple):
+    """Provot's limit on s springs between n nodes.
+
+    pairs : (s, 2) int; rest : (s,) [m]; bound : float, greatest length over that at rest
+    slack : float, excess of strain at which the sweeps end; sweeps : int, at most
+    fixed : (n,) bool, nodes that supports hold; shift : (n, 3), scratch
+    """
+
+    pairs: np.ndarray
+    rest: np.ndarray
+    bound: float
+    slack: float
+    sweeps: int
+    fixed: np.ndarray
+    shift: np.ndarray
 
 
 @kernel
 def limit(
-    x, w, v, dt, pairs, rest, count, bound, slack, sweeps, mass, fixed, shift, impulse, r, kicked
-):  # fmt: skip
-    """Change velocities v so that springs end the step below bound.
+    x: np.ndarray,
+    w: np.ndarray,
+    v: np.ndarray,
+    dt: float,
+    springs: Limit,
+    mass: np.ndarray,
+    forces: Forces,
+    kicked: float,
+) -> None:
+    """Change velocities v so that springs end the step below their bound.
 
     What held ends pass on is added to the supports' impulse; what nodes get is taken off the
-    internal forces r that have kicked them over `kicked` seconds, so that it is booked with these.
+    internal forces that have kicked them over `kicked` seconds, so that it is booked with these.
+
+    Parameters
+    ----------
+    x, w : (n, 3), (n, >= 3), reference positions and displacements [m]; v : (n, 3) [m/s], changed
+    dt, kicked : float [s]; springs : Limit; mass : (n,) [kg]; forces : Forces of the kick, changed
     """
+    pairs, rest, bound, fixed = springs.pairs, springs.rest, springs.bound, springs.fixed
+    slack, shift, impulse, r = springs.slack, springs.shift, forces.support, forces.internal
     shift[:] = 0.0
     d = np.empty(3)
     moved = False
-    for _ in range(sweeps):
+    for _ in range(springs.sweeps):
         worst = 0.0
-        for s in range(count):
+        for s in range(len(rest)):
             i, j = pairs[s, 0], pairs[s, 1]
             square = 0.0
             for c in range(3):
@@ -75,12 +108,25 @@ class Particles(Newmark):
     strain_limit : float or None, Provot's limit, 0.1 in his paper
     limit_slack : float, excess of strain at which its sweeps end; limit_sweeps : int, at most
     others : see Newmark; damping is that of each spring, along it
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Particles(shell)
+    >>> stepper.advance(0.1)
+    >>> f"{shell.displacements()[:, 2].mean():.3f} m"
+    '-0.049 m'
     """
 
     def __init__(
-        self, shell, time_step_factor=0.9, hooks=(), damping=0.0, drag=0.0, *, bending="flexion",
-        curvature=None, strain_limit=None, limit_slack=5e-3, limit_sweeps=100, prefix="particles_",
-    ):  # fmt: skip
+        self, shell: Shell, time_step_factor: float = 0.9, damping: float = 0.0, drag: float = 0.0,
+        *, bending: str = "flexion", curvature: float | None = None,
+        strain_limit: float | None = None, limit_slack: float = 5e-3, limit_sweeps: int = 100,
+        prefix: str = "particles_",
+    ) -> None:  # fmt: skip
         if shell.comm.size > 1:
             raise ValueError(
                 "the particle model runs on one rank: its springs reach two cells away, beyond the "
@@ -92,72 +138,46 @@ class Particles(Newmark):
         check_settings(time_step_factor, damping, drag)
         if strain_limit is not None and not strain_limit > 0:
             raise ValueError(f"a strain limit is above zero, as 0.1, not {strain_limit}")
-        partition = shell.partition
-        self._cells = partition._local[shell.surface.cells]
+        partition, cells = shell.partition, shell.surface.cells
+        self._cells = partition.local(cells.ravel()).reshape(cells.shape)
         points = np.ascontiguousarray(partition.surface.points[partition.owned_nodes])
-        springs = Springs(shell.surface, self._cells, points, shell.fabric, bending, curvature)
-        # not Newmark's own start, which compiles the shell's force
-        Stepper.__init__(self, shell, hooks, 0.0, prefix)
-        self._shift = np.zeros((self.n_owned, 3))
-        self._set_supports()
-        self.held[:, 3], self.plane[:] = True, 0.0
-        self._fixed = self.held[:, :3].any(axis=1)
-        self.strain_limit, self._sweeping = strain_limit, (limit_slack, limit_sweeps)
-        self._side = np.sign(np.sum(self._normals()[0] * self.owned[:, 3:], axis=1))[:, None]
-        self._start(springs, time_step_factor, damping, drag)
+        springs = Springs(
+            shell.surface, self._cells, points, shell.fabric, bending, curvature, damping
+        )
+        super().__init__(shell, time_step_factor, damping, drag, 0.0, prefix, springs)
+        self._limit: Limit | None = None
+        if strain_limit is not None:
+            limited, table = slice(springs.limited), springs.table
+            self._limit = Limit(
+                table.pairs[limited], table.rest[limited], 1 + strain_limit, limit_slack,
+                limit_sweeps, self.held[:, :3].any(axis=1), np.zeros((self.n_owned, 3)),
+            )  # fmt: skip
+        normals = self.normals()[0]
+        # +1 or -1 a node: the side of the sheet on which the shell's directors are
+        self._side = np.sign(np.sum(normals * self.owned[:, 3:], axis=1))[:, None]
 
-    def strain_energy(self):
-        """Strain energy [J] by kind of spring."""
-        return self.internal.energy(self.w)
+    def describe(self) -> dict[str, Any]:
+        """See Stepper."""
+        plan = super().describe()
+        return {"terms": plan.pop("terms"), "loads": self.shell.loads.kinds()} | plan
 
-    def internal_force(self):
-        """Forces of the springs (n, 6) [N], damped, at present."""
-        return self.internal(self.owned, self.v, self.damping)
+    def kick(self, kicked: float, dt: float) -> None:
+        """Velocities by the forces, the supports, then the strain limit."""
+        super().kick(kicked, dt)
+        if self._limit is not None:
+            limit(self.points, self.owned, self.v, dt, self._limit, self.mass, self.forces, kicked)
 
-    def _damping_loss(self, dt):
-        return 0.0  # booked spring by spring, see `_book`
-
-    def _book(self, dt):
-        super()._book(dt)
-        if self.damping:
-            self.works[4] += work_over(self.internal.viscous, self.v_old, self.v, dt)
-
-    def _present(self):
-        v, q, works = super()._present()
-        if self.damping:
-            works[4] += work_over(self.internal.viscous, self.v, v, 0.5 * self.last_dt)
-        return v, q, works
-
-    def find_stable_step(self, iterations=30):
-        """See Newmark; buckling springs count with the slope they start with, on both sides."""
-        self.internal.linear = True
-        try:
-            return super().find_stable_step(iterations)
-        finally:
-            self.internal.linear = False
-
-    def kick(self, dt):
-        """Velocities over dt by the forces, the supports, then the strain limit."""
-        super().kick(dt)
-        if self.strain_limit is None:
-            return
-        springs = self.internal
-        limit(
-            self.points, self.owned, self.v, self._next, springs.pairs, springs.rest,
-            springs.limited, 1 + self.strain_limit, *self._sweeping, self.mass, self._fixed,
-            self._shift, self.support_impulse, self.r, dt,
-        )  # fmt: skip
-
-    def _follow(self, dt, kicked):
-        super()._follow(dt, kicked)
-        self.q[:] = 0.0  # directors are not moved
-
-    def advance(self, until):
+    def advance(self, until: float) -> None:
         """Step until a time [s] is reached exactly; directors follow the surface."""
         super().advance(until)
-        self.owned[:, 3:] = self._side * self._normals()[0]
+        self.owned[:, 3:], _ = self.directors(None)
 
-    def _normals(self, v=None):
+    def directors(self, v: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        """Unit normals (n, 3) on the side of the shell's directors, their rates at velocities v."""
+        d, rate = self.normals(v)
+        return self._side * d, self._side * rate
+
+    def normals(self, v: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Unit normals (n, 3), weighted by area, and with velocities v their rates [1/s]."""
         cells = self._cells
         x = (self.points + self.owned[:, :3])[cells]
@@ -176,23 +196,23 @@ class Particles(Newmark):
         return N, rate
 
 
-def hand_over(particles, newmark, touch=None, to=None):
+def hand_over(particles: Particles, newmark: Newmark) -> None:
     """Give positions, velocities and time to a Newmark stepper of the same surface.
 
-    `touch` and `to` are their contacts (Touch) or None: what is touched is handed over too.
-    Directors and their rates are those of the surface's normals; held directors go back to rest,
-    as particles know none and let them follow the normals.
+    Where both have a contact, what is touched is handed over too. Directors and their rates are
+    those of the surface's normals; held directors go back to rest, as particles know none and let
+    them follow the normals.
     """
     v, _ = particles.velocities()
-    d, q = particles._normals(v)
+    d, q = particles.directors(v)
     free = ~newmark.held[:, 3]
     rest = newmark.shell.reference.x.array.reshape(-1, 6)[: newmark.n_owned, 3:]
     newmark.owned[~free, 3:] = rest[~free]
     newmark.owned[:, :3], newmark.v[:] = particles.owned[:, :3], v
-    newmark.owned[free, 3:] = (particles._side * d)[free]
-    newmark.q[:] = np.where(free[:, None], particles._side * q, 0.0)
-    newmark.time, newmark.last_dt = particles.time, 0.0
+    newmark.owned[free, 3:] = d[free]
+    newmark.q[:] = np.where(free[:, None], q, 0.0)
+    newmark.time, newmark.clock.last_dt = particles.time, 0.0
     newmark.scatter()
     newmark.check_step()
-    if touch is not None and to is not None:
-        to.restore(touch.state())
+    if particles.contact is not None and newmark.contact is not None:
+        newmark.contact.set_touched(particles.contact.touched())

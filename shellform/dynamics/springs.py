@@ -10,16 +10,22 @@ adds to C11 is taken off the edges below it. Buckling springs (Choi and Ko, ACM 
 2002): k_b = B h/2, f = k_b kappa^2/(cos(kappa L/2) - sinc(kappa L/2)), -12 k_b/L^2 when straight.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from contact.kernel import kernel
+from meshes import Surface
 from meshes.topology import directed_edges, unique_edges
+from shellform.material.sheet import Sheet
+
+from .explicit_kernels import work_over
 
 EDGE, DIAGONAL, BEND = 0, 1, 2
 
 
 @kernel
-def buckling_force(length, rest, k_b):
+def buckling_force(length: float, rest: float, k_b: float) -> tuple[float, float]:
     """Force [N] of a buckled pinned column of chord `length` < rest, and its energy [J]."""
     ratio = length / rest
     low, high = 0.0, np.pi
@@ -45,7 +51,7 @@ def buckling_force(length, rest, k_b):
 
 
 @kernel
-def pull(length, rest, k, k_b, turn, linear):
+def pull(length: float, rest: float, k: float, k_b: float, turn: float, linear: bool) -> float:
     """Force [N], positive in tension, of one spring; `turn` is the length where it buckles."""
     if k_b == 0.0 or linear:
         return k * (length - rest)
@@ -56,12 +62,39 @@ def pull(length, rest, k, k_b, turn, linear):
     return buckling_force(length, rest, k_b)[0]
 
 
+class Table(NamedTuple):
+    """s springs between nodes.
+
+    pairs : (s, 2) int; rest : (s,) [m]; k : (s,) [N/m], in tension
+    k_b : (s,) [N m^2], of springs that buckle, 0 else; turn : (s,) [m], length where they do
+    kind : (s,) int, EDGE, DIAGONAL or BEND
+    """
+
+    pairs: np.ndarray
+    rest: np.ndarray
+    k: np.ndarray
+    k_b: np.ndarray
+    turn: np.ndarray
+    kind: np.ndarray
+
+
 @kernel
-def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r, viscous):
+def forces(
+    points: np.ndarray,
+    w: np.ndarray,
+    v: np.ndarray,
+    damping: float,
+    table: Table,
+    linear: bool,
+    r: np.ndarray,
+    viscous: np.ndarray,
+) -> None:
     """Internal forces into r (n, 6) [N], stiffness-proportional damping along the springs.
 
-    The part of damping alone goes into viscous (n, 3) [N] too.
+    The part of damping alone goes into viscous (n, 3) [N] too. `linear`: springs that buckle have
+    the slope they start with, on both sides.
     """
+    pairs, rest, k, k_b, turn = table.pairs, table.rest, table.k, table.k_b, table.turn
     r[:] = 0.0
     if damping > 0.0:
         viscous[:] = 0.0
@@ -95,8 +128,10 @@ def forces(points, w, v, damping, pairs, rest, k, k_b, turn, linear, r, viscous)
 
 
 @kernel
-def energies(points, w, pairs, rest, k, k_b, turn, kind, out):
+def energies(points: np.ndarray, w: np.ndarray, table: Table, out: np.ndarray) -> None:
     """Strain energies [J] by kind into out (3,)."""
+    pairs, rest, k, k_b, turn = table.pairs, table.rest, table.k, table.k_b, table.turn
+    kind = table.kind
     out[:] = 0.0
     for s in range(len(rest)):
         square = 0.0
@@ -115,27 +150,39 @@ def energies(points, w, pairs, rest, k, k_b, turn, kind, out):
 
 
 class Springs:
-    """Springs of a surface of 4-node quads.
+    """Springs of a surface of 4-node quads, a ForceModel.
 
     Parameters
     ----------
     surface : meshes.Surface; cells : (m, 4) int, its cells in the numbering of `points`
     points : (n, 3) [m]; fabric : Fabric
+    damping : float [s], of each spring, along it
     bending : 'flexion', 'buckling' or 'none'
     curvature : float [1/m] or None, where flexion has the fabric's B; None: 1/bending length
 
     Attributes
     ----------
-    pairs : (s, 2) int; rest : (s,) [m]; k : (s,) [N/m]; k_b : (s,) [N m^2]; kind : (s,) int
+    table : Table, of which the first `limited` are structural and shear springs
     r : (n, 6) [N], last forces; viscous : (n, 3) [N], the part of damping if there is any
     """
 
-    def __init__(self, surface, cells, points, fabric, bending="flexion", curvature=None):
+    turns_directors = False
+
+    def __init__(
+        self,
+        surface: Surface,
+        cells: np.ndarray,
+        points: np.ndarray,
+        fabric: Sheet,
+        bending: str = "flexion",
+        curvature: float | None = None,
+        damping: float = 0.0,
+    ) -> None:
         if bending not in ("flexion", "buckling", "none"):
             raise ValueError(f"bending is one of flexion, buckling, none, not '{bending}'")
         if cells.shape[1] != 4:
             raise ValueError(f"springs need 4-node quads; {surface.source} has other cells")
-        self.points, self.linear = points, False
+        self.points, self.damping = points, damping
         rows = directed_edges(cells)
         first, number, count = unique_edges(rows, len(points))
         edges = rows[first]
@@ -177,34 +224,41 @@ class Springs:
             for side in (0, 1):
                 at = lines[:, side]
                 np.add.at(k, at, -k_f * length[lines].sum(axis=1) / length[at])
-        self.pairs = np.ascontiguousarray(np.concatenate([edges, diagonals, two]))
-        ends = points[self.pairs]
-        self.rest = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-        self.k = np.concatenate([k, k_d, k_f])
-        self.k_b = np.concatenate([np.zeros(len(k) + len(k_d)), k_b])
+        pairs = np.ascontiguousarray(np.concatenate([edges, diagonals, two]))
+        ends = points[pairs]
+        rest = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         sizes = [len(k), len(k_d), len(k_f)]
-        self.kind = np.repeat(np.array([EDGE, DIAGONAL, BEND]), sizes)
-        self.turn = np.array([_turn(*s) for s in zip(self.rest, self.k, self.k_b, strict=True)])
+        kind = np.repeat(np.array([EDGE, DIAGONAL, BEND]), sizes)
+        k_b = np.concatenate([np.zeros(len(k) + len(k_d)), k_b])
+        k = np.concatenate([k, k_d, k_f])
+        turn = np.array([_turn(*s) for s in zip(rest, k, k_b, strict=True)])
+        self.table = Table(pairs, rest, k, k_b, turn, kind)
         self.limited = int(sizes[0] + sizes[1])
         self.r, self.viscous = np.zeros((len(points), 6)), np.zeros((len(points), 3))
         self._energy = np.zeros(3)
 
-    def __call__(self, w, v=None, damping=0.0):
-        """Forces (n, 6) [N] at the nodal field w (n, 6); returns `r`."""
-        v = self.points if v is None else v
-        forces(
-            self.points, w, v, damping, self.pairs, self.rest, self.k, self.k_b, self.turn,
-            self.linear, self.r, self.viscous,
-        )  # fmt: skip
+    def force(self, w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float) -> np.ndarray:
+        """See ForceModel."""
+        forces(self.points, w, v, self.damping, self.table, False, self.r, self.viscous)
         return self.r
 
-    def energy(self, w):
+    def elastic(self, w: np.ndarray) -> np.ndarray:
+        """See ForceModel; buckling springs with the slope they start with, on both sides."""
+        forces(self.points, w, self.points, 0.0, self.table, True, self.r, self.viscous)
+        return self.r
+
+    def energy(self, w: np.ndarray) -> dict[str, float]:
         """Strain energy [J] by kind of spring."""
-        energies(
-            self.points, w, self.pairs, self.rest, self.k, self.k_b, self.turn, self.kind,
-            self._energy,
-        )  # fmt: skip
+        energies(self.points, w, self.table, self._energy)
         return dict(zip(("structural", "shear", "flexion"), self._energy.tolist(), strict=True))
+
+    def damping_loss(self, v_old: np.ndarray, v: np.ndarray, dt: float, last: float) -> float:
+        """See ForceModel."""
+        return work_over(self.viscous, v_old, v, dt) if self.damping else 0.0
+
+    def describe(self) -> dict[str, Any]:
+        """See ForceModel."""
+        return {"terms": ["springs"]}
 
 
 def _along_cells(surface, corners, fabric):
@@ -226,10 +280,10 @@ def _along_cells(surface, corners, fabric):
 
 def _lines(edges, number, count, nodes):
     """Ends (f, 2) two apart along grid lines, and the two edges (f, 2) between."""
-    beside = [set() for _ in edges]
+    cells_at = [set() for _ in edges]
     for cell, own in enumerate(number.tolist()):
         for e in own:
-            beside[e].add(cell)
+            cells_at[e].add(cell)
     at = [[] for _ in range(nodes)]
     for e, (a, b) in enumerate(edges.tolist()):
         at[a].append((e, b))
@@ -241,7 +295,7 @@ def _lines(edges, number, count, nodes):
             continue  # a corner, or an irregular node: no line passes
         for p, (e, a) in enumerate(meeting):
             for f, b in meeting[p + 1 :]:
-                if not beside[e] & beside[f]:
+                if not cells_at[e] & cells_at[f]:
                     ends.append((a, b))
                     lines.append((e, f))
     return np.array(ends, np.int64).reshape(-1, 2), np.array(lines, np.int64).reshape(-1, 2)

@@ -6,6 +6,8 @@ omega_max^2 is the largest Ritz value of a Lanczos run on M^-1 K (Lanczos, J. Re
 come from below: a few per cent are taken off the step for that.
 """
 
+from typing import Any
+
 from mpi4py import MPI
 
 import numpy as np
@@ -13,7 +15,7 @@ import numpy as np
 SPARE = 0.97  # of the step that the last Ritz value allows
 
 
-def stable_step(stepper, iterations=30):
+def stable_step(stepper: Any, iterations: int = 30) -> float:
     """Largest stable step [s] of a Newmark stepper at its present configuration, less SPARE.
 
     Raises
@@ -27,14 +29,14 @@ def stable_step(stepper, iterations=30):
     return SPARE * float(np.sqrt(tau**2 + 4 / value) - tau)
 
 
-def largest_eigenvalue(stepper, iterations):
+def largest_eigenvalue(stepper: Any, iterations: int) -> float:
     """Largest eigenvalue omega^2 [1/s^2] of M^-1 K on what supports leave free, from below."""
-    comm, n, w, owned = stepper.shell.comm, stepper.n_owned, stepper.w, stepper.owned
-    held, plane, internal = stepper.held, stepper.plane, stepper.internal
+    comm, w, owned = stepper.shell.comm, stepper.w, stepper.owned
+    held, plane, elastic = stepper.nodes.held, stepper.nodes.plane, stepper.force_model.elastic
     root = np.sqrt(np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1))
     cell = stepper.shell.surface.mean_cell_size
     base, d = owned.copy(), owned[:, 3:].copy()
-    r = internal(w)[:n].copy()
+    r = elastic(w).copy()
     pull = np.sum(r[:, 3:] * d, axis=1, keepdims=True)
 
     def admissible(y):
@@ -58,7 +60,7 @@ def largest_eigenvalue(stepper, iterations):
         for sign in (1, -1):
             owned[:] = base + sign * h * y
             stepper.scatter()
-            sides.append(internal(w)[:n].copy())
+            sides.append(elastic(w).copy())
         z = (sides[0] - sides[1]) / (2 * h)
         z[:, 3:] -= pull * y[:, 3:]
         return admissible(z) / root
@@ -79,8 +81,8 @@ def largest_eigenvalue(stepper, iterations):
         previous, y = y, z / beta
     owned[:] = base
     stepper.scatter()
-    beside = np.array(betas[: len(alphas) - 1])
-    tridiagonal = np.diag(alphas) + np.diag(beside, 1) + np.diag(beside, -1)
+    off_diagonal = np.array(betas[: len(alphas) - 1])
+    tridiagonal = np.diag(alphas) + np.diag(off_diagonal, 1) + np.diag(off_diagonal, -1)
     if not np.isfinite(tridiagonal).all():
         return np.nan
     return float(np.linalg.eigvalsh(tridiagonal)[-1])

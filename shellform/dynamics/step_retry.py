@@ -17,6 +17,8 @@ the later look could not yet see is small. A call of `advance` begins with a fre
 was written meanwhile cannot be taken back.
 """
 
+from typing import Any
+
 import numpy as np
 
 from shellform.errors import Unstable
@@ -40,13 +42,15 @@ class Rewind:
 
     margin, fading, recovery = 1.5, 0.8, 1.05
 
-    def __init__(self, stepper, retries=4):
+    def __init__(self, stepper: Any, retries: int = 4) -> None:
         self._stepper, self.retries = stepper, retries
         self.cut, self.cutbacks, self.excess = 1.0, 0, 0.0
-        self._tried, self._states, self._spare = [], [], []
+        self._tried: list[float] = []
+        self._states: list[State] = []
+        self._spare: list[State] = []
         self._base, self._seen, self._looked, self._failed = None, None, 0, 0.0
 
-    def begin(self, steps):
+    def begin(self, steps: float) -> None:
         """Keep the state at the start of an `advance` of some steps."""
         stepper = self._stepper
         # what was written since the last call cannot be taken back
@@ -58,7 +62,7 @@ class Rewind:
             if 2 * steps >= stepper.recheck:
                 self._judge()
 
-    def end(self):
+    def end(self) -> None:
         """Look once more if the last look is long ago, and remember the places."""
         stepper = self._stepper
         stepper.check()
@@ -66,20 +70,20 @@ class Rewind:
             self._judge()
         self._seen = self._mark()
 
-    def look(self):
+    def look(self) -> None:
         """Judge the present state and keep it; raises Unstable, on all ranks."""
         self._judge()
         if self._stepper.time > self._failed:
             self._tried.clear()
         self.cut = min(1.0, self.recovery * self.cut)
 
-    def keep(self):
-        """Keep the present state beside the one before."""
+    def keep(self) -> None:
+        """Keep the present state and the one before."""
         if len(self._states) > 1:
             self._spare.append(self._states.pop(0))
         self._keep()
 
-    def back(self, fault):
+    def back(self, fault: Unstable) -> None:
         """Go back to a good state with half the step; raises Unstable if that was tried enough."""
         stepper, failed = self._stepper, self._stepper.dt
         self._failed = max(self._failed, stepper.time)
@@ -99,7 +103,7 @@ class Rewind:
             ) from fault
         self.cut *= 0.5
         self.cutbacks += 1
-        stepper.critical_dt = stepper.find_stable_step()
+        stepper.clock.critical_dt = stepper.find_stable_step()
         stepper.dt = min(0.5 * failed, self.cut * stepper.factor * stepper.critical_dt)
 
     def _keep(self):
@@ -127,6 +131,7 @@ class Rewind:
         if not energy <= allowed:
             raise Unstable(
                 f"energy from nothing at t = {stepper.time:.6g} s, step {stepper.steps} of "
-                f"{stepper.last_dt:.3g} s: {stepper.shell.surface.source} has {energy:.3g} J, "
+                f"{stepper.clock.last_dt:.3g} s: {stepper.shell.surface.source} has "
+                f"{energy:.3g} J, "
                 f"{self.excess:.3g} J of it neither from loads nor supports nor body"
             )

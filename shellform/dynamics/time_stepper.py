@@ -5,15 +5,21 @@ The TS is of Python type, so -shell_ts_monitor, -shell_ts_max_steps, ... act. It
 nodal field w, brought up to date at the end of each `advance`.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from petsc4py import PETSc
 
 import numpy as np
 
 from shellform.errors import Unstable
-from shellform.fem.dolfinx_compat import petsc_view
+from shellform.fem.dolfinx_compat import Function, petsc_view
 from shellform.fem.lumped_mass import lumped
+from shellform.fem.shell import Shell
 
 from . import explicit_kernels
+from .books import BY_DRAG, BY_LOADS, BY_SUPPORTS, Clock, new_books
+from .part import AppliedForce, Attachable, Part, PlainFunction, RunningContact
 
 
 class Stepper:
@@ -22,8 +28,7 @@ class Stepper:
     Parameters
     ----------
     shell : Shell, with supports and loads complete; starts from its present state, at rest
-    hooks : callables (stepper, dt), run with the free velocities in `v` before nodes move
-    rotary_scale : float, see inertia.py
+    rotary_scale : float, see fem/lumped_mass.py
     prefix : str, of the TS options
 
     Attributes
@@ -31,15 +36,20 @@ class Stepper:
     w : (n_local, 6), (u, d) with ghosts; v, q : (n_owned, 3), velocities of nodes [m/s] and of
         directors [1/s]
     mass, inertia : (n_owned,) [kg, kg m^2]; points : (n_owned, 3), reference positions [m]
-    v_old : (n_owned, 3) or None, node velocities before the last kick
-    time, dt : float [s]; steps : int
+    clock : Clock, of which `time`, `dt` and `steps` are; books : Books
+    parts : list of Part, in the order of their turns in a step, see `add`
+    contact : RunningContact or None, the one among them
     """
 
-    def __init__(self, shell, hooks, rotary_scale, prefix):
-        self.shell, self.hooks = shell, list(hooks)
+    implicit = False
+
+    def __init__(self, shell: Shell, rotary_scale: float, prefix: str) -> None:
+        self.shell = shell
+        self.parts: list[Part] = []
+        self.contact: RunningContact | None = None
         partition, n = shell.partition, shell.partition.n_owned
         self.n_owned = n
-        shell.supports.frozen = True
+        shell.supports.freeze()
         shell.take_directors()
         self.w = shell.w.x.array.reshape(-1, 6)
         self.owned = self.w[:n]
@@ -47,8 +57,7 @@ class Stepper:
         mass, inertia = lumped(shell.surface, shell.fabric, rotary_scale)
         self.mass, self.inertia = mass[partition.owned_nodes], inertia[partition.owned_nodes]
         self.v, self.q = np.zeros((n, 3)), np.zeros((n, 3))
-        self.v_old = None
-        self.time, self.steps = 0.0, 0
+        self.clock, self.books = Clock(), new_books()
         self.ts = PETSc.TS().create(shell.comm)
         self.ts.setOptionsPrefix(prefix)
         self.ts.setType(PETSc.TS.Type.PYTHON)
@@ -60,12 +69,104 @@ class Stepper:
         self.ts.setSolution(self._ts_vector)
         self.ts.setFromOptions()
 
-    def keep_old_velocities(self):
-        """Keep the velocities of the step before in `v_old`, for hooks that book work."""
-        if self.v_old is None:
-            self.v_old = self.v.copy()
+    @property
+    def time(self) -> float:
+        """Present time [s]; may be set between calls of `advance`."""
+        return self.clock.time
 
-    def advance(self, until):
+    @time.setter
+    def time(self, value: float) -> None:
+        self.clock.time = value
+
+    @property
+    def dt(self) -> float:
+        """Step [s] to take next; may be set between calls of `advance`."""
+        return self.clock.dt
+
+    @dt.setter
+    def dt(self, value: float) -> None:
+        self.clock.dt = value
+
+    @property
+    def steps(self) -> int:
+        """Steps taken so far."""
+        return self.clock.steps
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Works [J] on this rank by kind, see books.py."""
+        return self.books.by_kind()
+
+    @property
+    def external_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of the loads on this rank's nodes so far."""
+        return self.books.impulses[BY_LOADS]
+
+    @property
+    def support_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of the supports on this rank's nodes so far."""
+        return self.books.impulses[BY_SUPPORTS]
+
+    @property
+    def drag_total(self) -> np.ndarray:
+        """Impulse (3,) [N s] of drag on this rank's nodes so far."""
+        return self.books.impulses[BY_DRAG]
+
+    def describe(self) -> dict[str, Any]:
+        """What is modelled, for the plan of a run: element, terms, loads, contact."""
+        plan = self.shell.plan()
+        plan["terms"] += ["inertia", "rotary inertia"]
+        return plan | self.describe_contact()
+
+    def describe_contact(self) -> dict[str, Any]:
+        """Names of the segments in contact and coefficients of friction, where there are any."""
+        if self.contact is None:
+            return {}
+        plan: dict[str, Any] = {"contact": list(self.contact.body.names)}
+        friction = self.contact.friction
+        if friction.static > 0:
+            plan["friction"] = [friction.static, friction.kinetic]
+        return plan
+
+    def add(self, part: Attachable | Callable[[Any, float], object]) -> Any:
+        """Let a part run with the steps, see part.py; returns the running part.
+
+        Raises
+        ------
+        TypeError for what is no part; ValueError as the part's `attach` does
+        """
+        if isinstance(part, Attachable):
+            return part.attach(self)
+        if not callable(part):
+            raise TypeError(
+                f"a stepper takes parts, as Contact(body), and functions of (stepper, dt), "
+                f"not {part!r}"
+            )
+        return PlainFunction(part).attach(self)
+
+    def remove(self, part: Part) -> None:
+        """Let a part run no longer."""
+        self.parts.remove(part)
+
+    def set_contact(self, contact: RunningContact) -> None:
+        """Take over a contact; ValueError if there is one, or if its books came first."""
+        if self.contact is not None:
+            raise ValueError("this stepper has a body already; give all segments to one Body")
+        for part in self.parts:
+            if part.books_contact:
+                raise ValueError(
+                    f"add the contact before {type(part).__name__}, which books what it does"
+                )
+        self.contact = contact
+
+    def add_applied_force(self, part: AppliedForce) -> None:
+        """ValueError: only explicit steps take forces that depend on the motion."""
+        raise ValueError(
+            f"{type(part).__name__} pushes nodes by where they are and how they move: explicit "
+            "steps only, take Newmark"
+        )
+
+    def advance(self, until: float) -> None:
         """Step until a time [s] is reached exactly; the steps left share out the rest evenly."""
         check_time(until)
         if until <= self.time:
@@ -79,12 +180,20 @@ class Stepper:
         self.time = until
         petsc_view(self.shell.w).copy(self._ts_vector)
 
-    def next_dt(self):
+    def next_dt(self) -> float:
         """Step [s] that brings `until` nearer without leaving a crumb."""
         rest = self._until - self.time
         return rest / max(1, int(np.ceil(rest / self.dt * (1 - 1e-9))))
 
-    def momenta(self):
+    def velocities(self) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities (n_owned, 3) of nodes [m/s] and directors [1/s] at the present time."""
+        raise NotImplementedError
+
+    def step(self, dt: float) -> None:
+        """One step of length dt [s]."""
+        raise NotImplementedError
+
+    def momenta(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Momentum (3,), angular momentum about the origin (3,), kinetic energy, on every rank."""
         v, q = self.velocities()
         out = np.empty(7)
@@ -92,11 +201,11 @@ class Stepper:
         out = self.shell.comm.allreduce(out)
         return out[:3], out[3:6], out[6]
 
-    def strain_energy(self):
+    def strain_energy(self) -> dict[str, float]:
         """Strain energy [J] by kind of term, on every rank."""
         return self.shell.energy()
 
-    def balance(self):
+    def balance(self) -> dict[str, float]:
         """Energies and works so far [J] at the present time, on every rank.
 
         Keys: kinetic, strain; work done by external forces and supports; what drag and damping
@@ -104,9 +213,9 @@ class Stepper:
         """
         kinetic, strain = self.momenta()[2], sum(self.strain_energy().values())
         work = {kind: self.shell.comm.allreduce(value) for kind, value in self.work.items()}
-        return {"damping": 0.0} | work | {"kinetic": kinetic, "strain": strain}
+        return work | {"kinetic": kinetic, "strain": strain}
 
-    def check_finite(self, total, dt, fault=None):
+    def check_finite(self, total: float, dt: float, fault: str | None = None) -> None:
         """Raise Unstable on all ranks if the sum of any rank's coordinates is not finite.
 
         `fault` is a sentence of what else a rank found, or None. All ranks call.
@@ -125,13 +234,13 @@ class Stepper:
             if fault:
                 raise Unstable(fault)
 
-    def scatter(self, field=None):
+    def scatter(self, field: Function | None = None) -> None:
         """Bring ghosts of w, or of another Function, up to date."""
         if self.shell.comm.size > 1:
             (field or self.shell.w).x.scatter_forward()
 
 
-def check_time(until):
+def check_time(until: float) -> None:
     """ValueError for a time that no number of steps reaches."""
     if not np.isfinite(until):
         raise ValueError(f"steps lead to a finite time in s, not to {until}")

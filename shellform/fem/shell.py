@@ -7,6 +7,7 @@ two rotations of a node enter later, algebraically (director.py, equilibrium.py)
 """
 
 import warnings
+import weakref
 from functools import cached_property
 
 from mpi4py import MPI
@@ -120,6 +121,7 @@ class Shell:
         self.loads = Loads(partition, fabric.areal_mass)
         self.rest()
         self._compiled: dict = {}
+        self._owner: weakref.ref | None = None
 
     def rest(self) -> None:
         """Put the sheet back into its reference state."""
@@ -136,6 +138,14 @@ class Shell:
     def before(self) -> Function:
         """Field w of the iterate before; made when a tangent or a form first needs it."""
         return Function(self.space)
+
+    def claim(self, owner: object) -> None:
+        """Let the last solver that calls it have the configuration; others ask `is_claimed_by`."""
+        self._owner = weakref.ref(owner)
+
+    def is_claimed_by(self, owner: object) -> bool:
+        """True for the last one that has called `claim`."""
+        return self._owner is not None and self._owner() is owner
 
     @cached_property
     def step(self) -> Function:

@@ -158,6 +158,10 @@ class Supports:
         """True if some displacement is given as an array, which says nothing about time."""
         return any(isinstance(motion[2], _Proportional) for motion in self.motions)
 
+    def freeze(self) -> None:
+        """Take no more supports: a solver has taken these over."""
+        self.frozen = True
+
     def _check_open(self):
         if self.frozen:
             raise ValueError("give all supports before the solver is made; it has taken these over")

@@ -124,7 +124,9 @@ def read_fabric(path: str | Path) -> Fabric:
 CARDS = Path(__file__).parents[1] / "material/fabrics"
 
 
-def fabric_of(given: str | dict, folder: Path = Path(), where: str = "scene") -> Fabric:
+def fabric_of(
+    given: Fabric | dict | str | Path, folder: Path = Path(), where: str = "scene"
+) -> Fabric:
     """Fabric from a Fabric, the name of a shipped card, a path, or the table of a card."""
     if isinstance(given, Fabric):
         return given

@@ -16,17 +16,22 @@ lower end of the pelvis between the thighs, which are deeper than wide and so ju
 Where hip joints are close together the thighs do not move into one another: flesh goes outward.
 """
 
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.spatial import ConvexHull, QhullError
 from scipy.special import ellipe
 
-from .proportions import HIP_SPACING
+from .proportions import HIP_SPACING, LENGTHS, RIM, STATURE
 from .recording import SIDES
 
-STATURE, MASS = 1.755, 84.6  # medians [m], [kg]
+# name, segment, centre (3,), radii (3,) [m]
+Ellipsoid = tuple[str, str, np.ndarray, np.ndarray]
+
+MASS = 84.6  # median [kg]
 GIRTHS = {"waist": 0.937, "hip": 1.017, "thigh": 0.624, "calf": 0.392, "ankle": 0.228}  # [m]
 # girth [m] = a + b stature [m] + c mass [kg]; R2 0.88, 0.85, 0.71
 REGRESSIONS = {
@@ -44,15 +49,19 @@ ANKLE_LEVEL = 0.030  # where the ankle is thinnest, up from its centre [m]
 THIGH_PAST = (0.105, 0.050)  # how far the thigh reaches past hip and knee centre [m]
 THIGH_HALF_BREADTH, THIGH_OUTWARD = 0.092, 0.010  # [m]
 THIGH_GAP = 0.003  # from the middle plane to a thigh, at least, when standing [m]
-FOOT_LENGTH, FOOT_BREADTH, FOOT_HEIGHT, SHOE = 0.267, 0.102, 0.090, 0.0075  # [m]
-ENDS_UP = 0.035  # of heel and toe ends above the sole [m]
+FOOT_BREADTH, FOOT_HEIGHT, SHOE = 0.102, 0.090, 0.0075  # [m]
 LEAST, MOST = 0.1, 2.5  # girths taken for metres
 TILT = 1e-9  # of an ellipsoid's section below which a plane only touches it
 
 
 def ellipsoids(
-    lengths, stature=STATURE, mass=None, girths=None, feet=True, hip_spacing=None
-):  # fmt: skip
+    lengths: Mapping[str, ArrayLike],
+    stature: float | None = STATURE,
+    mass: float | None = None,
+    girths: Mapping[str, float] | None = None,
+    feet: bool = True,
+    hip_spacing: float | None = None,
+) -> list[Ellipsoid]:
     """Ellipsoids of the lower body.
 
     Parameters
@@ -94,7 +103,9 @@ def ellipsoids(
     return [*trunk, *((name, name, centre, radii) for name, centre, radii in legs)]
 
 
-def wearer_girths(stature=STATURE, mass=None, girths=None):
+def wearer_girths(
+    stature: float = STATURE, mass: float | None = None, girths: Mapping[str, float] | None = None
+) -> dict[str, float]:
     """Girths [m] of waist, hip, thigh, calf, ankle: those given, the others from stature and mass.
 
     No regression of the waist was at hand: it grows as the root of mass over stature, as a cylinder
@@ -129,7 +140,14 @@ def wearer_girths(stature=STATURE, mass=None, girths=None):
     return out
 
 
-def section(centre, axes, radii, level, normal=(0.0, 0.0, 1.0), count=360):
+def section(
+    centre: np.ndarray,
+    axes: np.ndarray,
+    radii: np.ndarray,
+    level: float,
+    normal: ArrayLike = (0.0, 0.0, 1.0),
+    count: int = 360,
+) -> np.ndarray:
     """Points (count, 3) [m] around the section of an ellipsoid by normal . x = level; maybe none.
 
     centre (3,), axes (3, 3) rows e1, e2, e3, radii (3,).
@@ -150,7 +168,13 @@ def section(centre, axes, radii, level, normal=(0.0, 0.0, 1.0), count=360):
     return np.asarray(centre) + (away * m + np.sqrt(1 - away**2) * ring) @ B.T
 
 
-def girth(centres, axes, radii, level, normal=(0.0, 0.0, 1.0)):
+def girth(
+    centres: np.ndarray,
+    axes: np.ndarray,
+    radii: np.ndarray,
+    level: float,
+    normal: ArrayLike = (0.0, 0.0, 1.0),
+) -> float:
     """What a tape measures around ellipsoids in the plane normal . x = level [m].
 
     The perimeter of the convex hull of their sections, to 1e-4 of itself; 0 where the plane meets
@@ -195,8 +219,8 @@ def _shank(long, size, scale):
 
 def _foot(long, scale, side):
     """Centre and radii of a shoe that begins at J1 and rests on the floor when standing."""
-    whole = max(long, FOOT_LENGTH * scale)
-    up = (0.5 * FOOT_HEIGHT - ENDS_UP) * scale
+    whole = max(long, LENGTHS["foot"] * scale)
+    up = (0.5 * FOOT_HEIGHT - RIM) * scale
     # e3 = e1 x e2 points down in a right foot, up in a left one
     centre = np.array([0.5 * (whole - long), 0.0, -up if side == "right" else up])
     radii = np.array([0.5 * whole + SHOE, 0.5 * FOOT_BREADTH * scale, 0.5 * FOOT_HEIGHT * scale])

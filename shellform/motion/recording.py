@@ -68,16 +68,16 @@ class Recording:
                 )
 
     @property
-    def rate(self):
+    def rate(self) -> float:
         """Frames a second [Hz]."""
         return (len(self.times) - 1) / (self.times[-1] - self.times[0])
 
-    def joint_centre(self, joint):
+    def joint_centre(self, joint: str) -> np.ndarray:
         """Track (n, 3) of a joint's centre [m]."""
         segment, end = JOINTS[joint][2]
         return self.points[segment][:, end]
 
-    def lengths(self):
+    def lengths(self) -> dict[str, tuple[float, float]]:
         """Length |J2 - J1| [m] of every segment, (median, relative spread max - min)."""
         out = {}
         for name, track in self.points.items():

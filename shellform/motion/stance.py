@@ -3,12 +3,12 @@
 
 import numpy as np
 
-from shellform.motion.gait.leg import ANKLE_UP
-
+from .proportions import ANKLE_UP
 from .recording import SIDES
+from .wearer import Wearer
 
 
-def stance(wearer):
+def stance(wearer: Wearer) -> tuple[float, np.ndarray, np.ndarray]:
     """Height of the hip joints over the floor [m], their middle (3,), heading (3,) at the start."""
     points = {name: track[0] for name, track in wearer.recording.points.items()}
     hips = [points[f"{side}_thigh"][0] for side in SIDES]

@@ -9,17 +9,20 @@ constant: skin motion changes |J2 - J1| by some percent, which moves the centre 
 Before the first frame the wearer stands still, after the last one it has stopped for good.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from contact.body.segment_frame import pose_from_markers
-from contact.body.segments import Body, Pose, semi_axes
+from contact.body.segments import Body, Pose
+from contact.geometry.ellipsoid import ellipsoid
 from contact.kernel import kernel
 
-from .recording import JOINTS
+from .recording import JOINTS, Recording
 
 # segment axis that a joint bends about, and its sign: flexion (dorsiflexion) is positive
 FLEXION = {
@@ -44,8 +47,8 @@ class Joints(NamedTuple):
     spins: np.ndarray
 
 
-class Wearer:
-    """A body (see `contact.body.segments.Body`) in recorded motion.
+class Wearer(Body):
+    """A body in recorded motion: splines through the recording take the place of `Segment`s.
 
     Parameters
     ----------
@@ -56,7 +59,7 @@ class Wearer:
     Attributes
     ----------
     names : tuple of str; radii : (m, 3) float [m]
-    segments, carriers : tuple of str, the segment each ellipsoid rides on
+    carriers : tuple of str, the segment each ellipsoid rides on
     joints : tuple of str, those with both segments in the recording
     start, end : float [s], first and last frame
 
@@ -64,54 +67,72 @@ class Wearer:
     ------
     ValueError for a segment that the recording lacks, a name given twice, semi-axes that make no
     ellipsoid, or points that span no plane
+
+    Examples
+    --------
+    >>> from shellform.motion.anthropometry import ellipsoids
+    >>> walk = sf.synthetic_walk(strides=1, obstacle=0.0)
+    >>> wearer = sf.Wearer(walk, ellipsoids(walk.lengths()))
+    >>> len(wearer), wearer.just_below("right_knee")
+    (8, ['right_shank'])
+    >>> pose = wearer.new_pose(wearer.end)
+    >>> f"{pose.velocities[wearer.index('pelvis'), 0]:.1f} m/s"
+    '1.1 m/s'
     """
 
-    def __init__(self, recording, ellipsoids, from_rest=True):
+    def __init__(
+        self,
+        recording: Recording,
+        ellipsoids: Sequence[tuple[str, str, ArrayLike, ArrayLike]],
+        from_rest: bool = True,
+    ):
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
-        self.segments = self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
-        self.radii = np.array([semi_axes(name, radii) for name, *_, radii in ellipsoids])
-        carriers = tuple(recording.points)
+        self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
+        shapes = [ellipsoid(name, radii) for name, *_, radii in ellipsoids]
+        self.shapes, self._radii = tuple(shapes), np.array([shape.radii for shape in shapes])
+        segments = tuple(recording.points)
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
             raise ValueError(f"ellipsoids need different names, found twice: {', '.join(twice)}")
         for name, segment, *_ in ellipsoids:
-            if segment not in carriers:
+            if segment not in segments:
                 raise ValueError(
                     f"{recording.source}: ellipsoid '{name}' rides on segment '{segment}', which "
-                    f"the recording lacks; it has {', '.join(carriers)}"
+                    f"the recording lacks; it has {', '.join(segments)}"
                 )
-        self._which = np.array([carriers.index(s) for s in self.segments])
+        self._which = np.array([segments.index(s) for s in self.carriers])
         self._offsets = np.array([centre for _, _, centre, _ in ellipsoids], float)
-        self.joints = tuple(j for j, (a, b, _) in JOINTS.items() if a in carriers and b in carriers)
-        self._above = np.array([carriers.index(JOINTS[j][0]) for j in self.joints], np.int64)
-        self._below = np.array([carriers.index(JOINTS[j][1]) for j in self.joints], np.int64)
+        self.joints = tuple(j for j, (a, b, _) in JOINTS.items() if a in segments and b in segments)
+        self._above = np.array([segments.index(JOINTS[j][0]) for j in self.joints], np.int64)
+        self._below = np.array([segments.index(JOINTS[j][1]) for j in self.joints], np.int64)
         hinges = [FLEXION[j] for j in self.joints]
-        self._hinge = ([carriers.index(s) for s, _, _ in hinges], [axis for _, axis, _ in hinges])
+        self._hinge = ([segments.index(s) for s, _, _ in hinges], [axis for _, axis, _ in hinges])
         self._sign = np.array([sign for *_, sign in hinges])[:, None]
         times = recording.times
         self.start, self.end = float(times[0]), float(times[-1])
-        tracks = [_track(recording, name) for name in carriers]
+        tracks = [_track(recording, name) for name in segments]
         tracks += [recording.joint_centre(joint) for joint in self.joints]
         values = np.concatenate(tracks, axis=1)
         begin = (1, np.zeros(values.shape[1])) if from_rest else "not-a-knot"
         spline = CubicSpline(times, values, bc_type=(begin, "not-a-knot"))
         self._spline = np.ascontiguousarray(np.moveaxis(spline.c, 0, 2)), times.copy()
         self._values, self._rates = np.zeros(values.shape[1]), np.zeros(values.shape[1])
-        self._segments = _blank(len(carriers))
+        self._segments = _blank(len(segments))
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.names)
 
-    index = Body.index
-    mask = Body.mask
-    accelerations = Body.accelerations
+    @property
+    def radii(self) -> np.ndarray:
+        """Semi-axes (m, 3) [m] of the ellipsoids."""
+        return self._radii
 
-    def new_pose(self, t=0.0):
+    def new_pose(self, t: float = 0.0) -> Pose:
         """Arrays for `pose`, filled at time t [s]."""
         return self.pose(t, _blank(len(self.names)))
 
-    def pose(self, t, out):
+    def pose(self, t: float, out: Pose) -> Pose:
         """Pose of the ellipsoids at time t [s], written into arrays from `new_pose`."""
         # arrays one by one: numba takes a fifth of a millisecond to look at tuples of them
         _ride(self._which, self._offsets, *self._segments_at(t), *out)
@@ -122,11 +143,11 @@ class Wearer:
         _place(self._values, self._rates, *self._segments)
         return self._segments
 
-    def new_joints(self, t=0.0):
+    def new_joints(self, t: float = 0.0) -> Joints:
         """Arrays for `joint_state`, filled at time t [s]."""
         return self.joint_state(t, Joints(*(np.zeros((len(self.joints), 3)) for _ in range(3))))
 
-    def joint_state(self, t, out):
+    def joint_state(self, t: float, out: Joints) -> Joints:
         """Joints at time t [s], written into arrays from `new_joints`."""
         segments = self._segments_at(t)
         out.centres[:] = self._values[7 * len(segments.centres) :].reshape(-1, 3)
@@ -134,18 +155,18 @@ class Wearer:
         np.subtract(segments.spins[self._below], segments.spins[self._above], out=out.spins)
         return out
 
-    def just_below(self, joint):
+    def just_below(self, joint: str) -> list[str]:
         """Names of the ellipsoids on the segment just below a joint."""
-        pairs = zip(self.names, self.segments, strict=True)
+        pairs = zip(self.names, self.carriers, strict=True)
         return [name for name, segment in pairs if segment == JOINTS[joint][1]]
 
-    def below(self, joint):
+    def below(self, joint: str) -> list[str]:
         """Names of the ellipsoids on the segments below a joint, the far ones included."""
         reached = {JOINTS[joint][1]}
         for above, under, _ in JOINTS.values():
             if above in reached:
                 reached.add(under)
-        return [n for n, s in zip(self.names, self.segments, strict=True) if s in reached]
+        return [n for n, s in zip(self.names, self.carriers, strict=True) if s in reached]
 
 
 def _track(recording, name):

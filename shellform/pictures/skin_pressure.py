@@ -1,15 +1,28 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The pressure of the cloth on the skin as a picture."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from contact.body.segments import Body
+from contact.geometry.surface_patches import Patches
+from shellform.motion.wearer import Wearer
 
 from .surfaces import ellipsoid_facets, new_figure, save_figure, view_axes
 from .views import fit_view, heading_at
 
+if TYPE_CHECKING:
+    # pictures are drawn without finite elements
+    from shellform.results.skin_pressure import Map
 
-def pressure_figure(path, wearer, map, time, title=""):
+
+def pressure_figure(
+    path: str | Path, wearer: Body | Wearer, map: Map, time: float, title: str = ""
+) -> None:
     """The body from front and back, coloured by the mean pressure of the clothing.
 
     Skin that nothing touched is grey. What lies inside another ellipsoid at that time is not drawn.
@@ -19,7 +32,7 @@ def pressure_figure(path, wearer, map, time, title=""):
     Parameters
     ----------
     path : PNG file; wearer : Wearer, or Body with names and radii of the map
-    map : pressure.Map; time : float, of the pose [s]
+    map : results.skin_pressure.Map; time : float, of the pose [s]
 
     Raises
     ------
@@ -28,8 +41,6 @@ def pressure_figure(path, wearer, map, time, title=""):
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import LogNorm
-
-    from contact.geometry.surface_patches import Patches
 
     same = tuple(wearer.names) == map.names and np.allclose(wearer.radii, map.radii, rtol=1e-6)
     if not same:

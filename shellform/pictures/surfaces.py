@@ -5,14 +5,16 @@ matplotlib only, no finite elements: pictures can be drawn anywhere from the fil
 """
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 CLOTH, BACK, EDGE = "#7aa6c2", "#c9b79c", "#1f3440"
 
 
-def view_axes(azimuth, elevation):
+def view_axes(azimuth: float, elevation: float) -> np.ndarray:
     """Right, up and towards-the-eye unit vectors (3, 3) of a parallel view; angles in degrees."""
     a, e = np.radians([azimuth, elevation])
     eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
@@ -20,7 +22,9 @@ def view_axes(azimuth, elevation):
     return np.array([right, np.cross(eye, right), eye])
 
 
-def smooth(points, directors, cells, parts):
+def smooth(
+    points: np.ndarray, directors: np.ndarray, cells: np.ndarray, parts: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Cells cut into parts x parts facets that follow the directors.
 
     Between two nodes the surface bulges by a (1 - a) (dx . dd) d / 2: the arc whose length the
@@ -56,13 +60,15 @@ def smooth(points, directors, cells, parts):
     return facets, sides
 
 
-def facing(facets, eye):
+def facing(facets: np.ndarray, eye: np.ndarray) -> np.ndarray:
     """Of the facets (m, k, 3) of a closed surface those that look at the eye (3,)."""
     normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
     return facets[normal @ eye > 0]
 
 
-def facets_and_sides(points, directors, cells):
+def facets_and_sides(
+    points: np.ndarray, directors: np.ndarray, cells: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Facets to draw and the cells' sides, for cells with 3, 4 or 9 nodes."""
     if cells.shape[1] == 4:
         return smooth(points, directors, cells, 4 if len(cells) < 2000 else 1)
@@ -73,7 +79,9 @@ def facets_and_sides(points, directors, cells):
     return facets, np.stack([rim[:, :-1], rim[:, 1:]], axis=2).reshape(-1, 2, 3)
 
 
-def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
+def draw_surfaces(
+    axes: Any, surfaces: Sequence[tuple], azimuth: float = -60.0, elevation: float = 25.0
+) -> None:
     """Draw shaded surfaces, hidden parts hidden.
 
     Parameters
@@ -127,41 +135,14 @@ def draw_surfaces(axes, surfaces, azimuth=-60.0, elevation=25.0):
     axes.set_axis_off()
 
 
-def roll_up_picture(path, frames, exact, title):
-    """Strips side by side at several load levels and their profiles over the exact circles.
-
-    Parameters
-    ----------
-    path : PNG file
-    frames : list of (label, points (n, 3), directors (n, 3), cells); node 0 at the clamp
-    exact : list of curves (k, 3), one a frame
-    title : str
-    """
-    figure, (above, below) = new_figure(2, (9, 8.5), title, height_ratios=(3, 2))
-    width = np.ptp(frames[0][1][:, 1])
-    view = (-78, 16)
-    strips = []
-    right, up, _ = view_axes(*view)
-    spacing = np.array([0.0, 5 * width, 0.0])
-    for i, (label, points, directors, cells) in enumerate(frames):
-        facets, sides = facets_and_sides(points + i * spacing, directors, cells)
-        strips.append((facets, sides, CLOTH, BACK, 0.0))
-        root = points[0] + i * spacing - [0.4 * width, 0, 0]
-        above.text(root @ right, root @ up, label, ha="right", va="center", fontsize=9)
-    draw_surfaces(above, strips, *view)
-    for (label, points, *_), curve in zip(frames, exact, strict=True):
-        side = points[np.isclose(points[:, 1], points[:, 1].min(), atol=1e-6 * width)]
-        (line,) = below.plot(curve[:, 0], curve[:, 2], lw=0.8)
-        below.plot(side[:, 0], side[:, 2], "o", ms=3, color=line.get_color(), label=label)
-    below.set_aspect("equal")
-    below.set_xlabel("x [m]")
-    below.set_ylabel("z [m]")
-    place = {"loc": "center left", "bbox_to_anchor": (1, 0.5)}
-    below.legend(title="nodes; lines: exact", fontsize=8, **place)
-    save_figure(figure, path)
-
-
-def new_figure(rows, size, title, columns=1, dpi=130, **layout):
+def new_figure(
+    rows: int,
+    size: tuple[float, float],
+    title: str,
+    columns: int = 1,
+    dpi: int = 130,
+    **layout: Any,
+) -> tuple[Any, Any]:
     """Figure without a window, and its axes."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -173,7 +154,7 @@ def new_figure(rows, size, title, columns=1, dpi=130, **layout):
     return figure, figure.subplots(rows, columns, gridspec_kw=layout)
 
 
-def save_figure(figure, path):
+def save_figure(figure: Any, path: str | Path) -> None:
     """Write a PNG atomically."""
     path = Path(path)
     part = path.with_name(path.name + ".part")
@@ -181,7 +162,9 @@ def save_figure(figure, path):
     os.replace(part, path)
 
 
-def ellipsoid_facets(centre, axes, radii, parts=32):
+def ellipsoid_facets(
+    centre: np.ndarray, axes: np.ndarray, radii: np.ndarray, parts: int = 32
+) -> np.ndarray:
     """Facets (m, 4, 3) of an ellipsoid; axes are rows."""
     polar = np.linspace(0, np.pi, parts // 2 + 1)[:, None]
     around = np.linspace(0, 2 * np.pi, parts + 1)[None, :]
@@ -197,7 +180,9 @@ def ellipsoid_facets(centre, axes, radii, parts=32):
     return np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]], axis=2).reshape(-1, 4, 3)
 
 
-def ellipsoid_outline(centre, axes, radii, eye, parts=100):
+def ellipsoid_outline(
+    centre: np.ndarray, axes: np.ndarray, radii: np.ndarray, eye: np.ndarray, parts: int = 100
+) -> np.ndarray:
     """Outline (parts, 3) of an ellipsoid seen along `eye` (3,); axes are rows."""
     towards = np.asarray(axes) @ eye / radii
     first = np.cross(towards, np.eye(3)[np.abs(towards).argmin()])
@@ -207,50 +192,7 @@ def ellipsoid_outline(centre, axes, radii, eye, parts=100):
     return centre + (radii * (np.cos(angle) * first + np.sin(angle) * second)) @ np.asarray(axes)
 
 
-def drape_pictures(folder, frames, cells, body, seconds):
-    """drape.png, the last frame from two sides, and drape.gif, all frames.
-
-    Parameters
-    ----------
-    folder : path; frames : list of (points, directors); cells : (m, 4|9)
-    body : contact.body.segments.Body; seconds : float, between frames
-    """
-    pose = body.new_pose()
-    body.pose(0.0, pose)
-    skin = [
-        ellipsoid_facets(c, a, r)
-        for c, a, r in zip(pose.centres, pose.axes, body.radii, strict=True)
-    ]
-    # a cell of cloth is flat, the body is round: let the cloth win where they are this close
-    away = 0.5 * np.ptp(frames[0][0], axis=0).max() / np.sqrt(len(cells))
-    solids = [(facets, None, "#d8a48f", "#d8a48f", away) for facets in skin]
-    corners = np.concatenate([frames[0][0], frames[-1][0], *(s.reshape(-1, 3) for s in skin)])
-
-    def draw(axes, frame, azimuth, elevation):
-        cloth = facets_and_sides(*frame, cells)
-        draw_surfaces(axes, [(*cloth, CLOTH, BACK, 0.0), *solids], azimuth, elevation)
-        right, up, eye = view_axes(azimuth, elevation)
-        for c, a, r in zip(pose.centres, pose.axes, body.radii, strict=True):
-            rim = ellipsoid_outline(c, a, np.asarray(r), eye)
-            axes.plot(rim @ right, rim @ up, "--", color="#8c4a32", lw=0.7)
-        spans = corners @ right, corners @ up
-        axes.set_xlim(spans[0].min() - 0.05, spans[0].max() + 0.05)
-        axes.set_ylim(spans[1].min() - 0.05, spans[1].max() + 0.05)
-
-    figure, (left, right) = new_figure(1, (11, 5.5), "", columns=2)
-    draw(left, frames[-1], -60, 8)
-    draw(right, frames[-1], 30, 35)
-    save_figure(figure, Path(folder) / "drape.png")
-    images = []
-    for frame in frames:
-        figure, axes = new_figure(1, (5, 5), "", dpi=70)
-        draw(axes, frame, -60, 20)
-        figure.canvas.draw()
-        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
-    save_animation(images, Path(folder) / "drape.gif", seconds)
-
-
-def save_animation(images, path, seconds):
+def save_animation(images: list[np.ndarray], path: Path, seconds: float) -> None:
     """Write a GIF atomically; images are (rows, columns, 3) uint8, `seconds` apart."""
     from PIL import Image
 

@@ -5,10 +5,14 @@ Drawn from the files of a run and the wearer's motion; matplotlib only.
 """
 
 import xml.etree.ElementTree as xml
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from shellform.motion.recording import Recording
+from shellform.motion.wearer import Wearer
 
 from .surfaces import (
     BACK,
@@ -37,29 +41,43 @@ class Frame(NamedTuple):
     cells: np.ndarray
 
 
-def read_frames(folder, name="series"):
+def read_frames(folder: str | Path, name: str = "series") -> list[Frame]:
     """Frames of a series in the order of their times."""
+    # here and below: drawing libraries load only when something is drawn
     import meshio
 
     folder = Path(folder)
     frames = []
-    for entry in xml.parse(folder / f"{name}.pvd").getroot().iter("DataSet"):
-        mesh = meshio.read(folder / entry.get("file"))
-        time, cells = float(entry.get("timestep")), mesh.cells[0].data
+    for data in xml.parse(folder / f"{name}.pvd").getroot().iter("DataSet"):
+        mesh = meshio.read(folder / data.attrib["file"])
+        time, cells = float(data.attrib["timestep"]), mesh.cells[0].data
         frames.append(Frame(time, mesh.points, mesh.point_data["director"], cells))
     return sorted(frames, key=lambda frame: frame.time)
 
 
-def draw_clothed(axes, frame, wearer, view=VIEW, parts=2, without=()):
-    """Draw a frame on the wearer; `without` names ellipsoids to leave out."""
+def draw_clothed(
+    axes: Any,
+    frame: Frame,
+    wearer: Wearer,
+    view: tuple[float, float] = VIEW,
+    parts: int = 2,
+    without: Sequence[str] = (),
+) -> np.ndarray:
+    """Draw a frame on the wearer; `without` names ellipsoids to leave out.
+
+    Returns
+    -------
+    corners : (n, 3) [m], all that was drawn, for `fit_view`
+    """
     pose = wearer.new_pose(frame.time)
     shown = [k for k, name in enumerate(wearer.names) if name not in without]
     skin = [ellipsoid_facets(pose.centres[k], pose.axes[k], wearer.radii[k], 24) for k in shown]
+    sides: np.ndarray | bool | None = None
     if frame.cells.shape[1] == 4:
-        facets, sides = smooth(frame.points, frame.directors, frame.cells, parts)
-        sides = sides if parts > 1 else True
+        facets, pieces = smooth(frame.points, frame.directors, frame.cells, parts)
+        sides = pieces if parts > 1 else True
     else:
-        facets, sides = frame.points[frame.cells[:, :3]], None
+        facets = frame.points[frame.cells[:, :3]]
     size = np.linalg.norm(facets[:, 2] - facets[:, 0], axis=1).mean() * parts
     # cells are flat and the body is round: cloth wins where they are this close
     eye = view_axes(*view)[2]
@@ -68,7 +86,9 @@ def draw_clothed(axes, frame, wearer, view=VIEW, parts=2, without=()):
     return np.concatenate([frame.points, *(patch.reshape(-1, 3) for patch in skin)])
 
 
-def draw_box(axes, corner, size, view=VIEW):
+def draw_box(
+    axes: Any, corner: np.ndarray, size: np.ndarray, view: tuple[float, float] = VIEW
+) -> None:
     """A box from its lowest corner (3,) and its size (3,), drawn behind all else."""
     from matplotlib.patches import Polygon
 
@@ -84,7 +104,16 @@ def draw_box(axes, corner, size, view=VIEW):
         axes.add_patch(Polygon(seen, facecolor=(shade,) * 3, edgecolor="0.3", lw=0.5, zorder=0))
 
 
-def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None, title=""):
+def walk_figure(
+    path: str | Path,
+    wearer: Wearer,
+    dressing: list[tuple],
+    key_frames: list[Frame],
+    curves: list[tuple],
+    joint: str,
+    obstacle: tuple[np.ndarray, np.ndarray] | None = None,
+    title: str = "",
+) -> None:
     """One figure: dressing, key frames, torque about a joint against time and frame.
 
     Parameters
@@ -138,12 +167,18 @@ def walk_figure(path, wearer, dressing, key_frames, curves, joint, obstacle=None
     save_figure(figure, Path(path))
 
 
-def frame_number(time, rate):
+def frame_number(time: float, rate: float) -> int:
     """Number of the frame of the recording at a time [s]."""
     return round(time * rate)
 
 
-def walk_animation(path, wearer, frames, seconds, obstacle=None):
+def walk_animation(
+    path: str | Path,
+    wearer: Wearer,
+    frames: list[Frame],
+    seconds: float,
+    obstacle: tuple[np.ndarray, np.ndarray] | None = None,
+) -> None:
     """GIF of a walk, the camera moving along; `seconds` between frames."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -169,7 +204,9 @@ def walk_animation(path, wearer, frames, seconds, obstacle=None):
     save_animation(images, Path(path), seconds)
 
 
-def torque_figure(path, torques, joints, title=""):
+def torque_figure(
+    path: str | Path, torques: list[tuple], joints: Sequence[str], title: str = ""
+) -> None:
     """Flexion torque and power of all joints, a column a joint.
 
     torques : list of (label, rows as of torque.csv)
@@ -188,7 +225,16 @@ def torque_figure(path, torques, joints, title=""):
     save_figure(figure, Path(path))
 
 
-def draw_all(folder, wearer, dressing, run, torques, joint, title, count=9):
+def draw_all(
+    folder: str | Path,
+    wearer: Wearer,
+    dressing: list[tuple],
+    run: str | Path,
+    torques: dict[str, list[dict]],
+    joint: str,
+    title: str,
+    count: int = 9,
+) -> None:
     """walk.png, torque.png and walk.gif in a folder.
 
     Parameters
@@ -212,7 +258,7 @@ def draw_all(folder, wearer, dressing, run, torques, joint, title, count=9):
     walk_animation(folder / "walk.gif", wearer, frames, seconds, box)
 
 
-def obstacle_of(recording, width=0.9):
+def obstacle_of(recording: Recording, width: float = 0.9) -> tuple[np.ndarray, np.ndarray] | None:
     """Lowest corner (3,) and size (3,) [m] of the obstacle of a synthetic walk, or None."""
     facts = recording.facts.get("obstacle")
     if not facts:

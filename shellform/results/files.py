@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 
-def write_atomically(path, text):
+def write_atomically(path: str | Path, text: str) -> None:
     """Write a text file so that readers see either the old or the whole new one."""
     path = Path(path)
     part = path.with_name(path.name + ".part")

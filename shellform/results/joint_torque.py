@@ -13,11 +13,18 @@ is reported is the mean over a window between two records, without any other fil
 """
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 
 from contact.kernel import kernel
+from shellform.contact_coupling.contact import require_contact
+from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import Part
+from shellform.motion.joint_parts import chosen_parts
+from shellform.motion.wearer import Wearer
 
 from .files import write_atomically
 
@@ -26,7 +33,15 @@ COLUMNS = ("time", "joint", "torque_x", "torque_y", "torque_z", "torque_flexion"
 
 
 @kernel
-def add_torque(table, centres, counts, joints, axes, spins, total):
+def add_torque(
+    table: np.ndarray,
+    centres: np.ndarray,
+    counts: np.ndarray,
+    joints: np.ndarray,
+    axes: np.ndarray,
+    spins: np.ndarray,
+    total: np.ndarray,
+) -> None:
     """Add a step's torque impulses on the wearer about all joints.
 
     Parameters
@@ -54,15 +69,14 @@ def add_torque(table, centres, counts, joints, axes, spins, total):
             total[j, 4] += moment[c] * spins[j, c]
 
 
-class Torque:
-    """Hook behind a `Touch`: joint torques of every step, averaged between records.
+class Torque(Part):
+    """Joint torques of every step, averaged between records; the body in contact is a Wearer.
 
     Parameters
     ----------
-    touch : Touch whose body is a `shellform.motion.wearer.Wearer`
+    path : CSV file for the rows, written by rank 0, or None
     parts : 'distal', all ellipsoids below a joint; 'child', those of the segment just below; or a
         dict, joint -> names of ellipsoids
-    path : CSV file for the rows, written by rank 0, or None
     resumed : state of a run that is gone on with, see `saved`; rows up to its time stay in the file
 
     Attributes
@@ -72,36 +86,68 @@ class Torque:
 
     Raises
     ------
-    ValueError for an unknown joint, ellipsoid or kind of parts
+    ValueError, when it is added, for a stepper whose contact is none with a Wearer, for an unknown
+    joint, ellipsoid or kind of parts
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> from shellform.motion.anthropometry import ellipsoids
+    >>> walk = sf.synthetic_walk(strides=1, obstacle=0.0)
+    >>> wearer = sf.Wearer(walk, ellipsoids(walk.lengths()))
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> stepper = sf.Newmark(sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric))
+    >>> contact = stepper.add(sf.Contact(wearer))
+    >>> torque = stepper.add(sf.Torque("torque.csv"))
+    >>> stepper.advance(0.01)
+    >>> [row["joint"] for row in torque.record(stepper.time)][:3]
+    ['right_hip', 'right_knee', 'right_ankle']
     """
 
-    def __init__(self, touch, stepper, parts="distal", path=None, resumed=None):
-        wearer = touch.correction.body
-        self.touch, self.wearer, self.joints = touch, wearer, wearer.joints
-        self.parts = chosen_parts(wearer, parts)
+    books_contact = True
+
+    def __init__(
+        self,
+        path: str | Path | None = None,
+        parts: str | dict[str, list[str]] = "distal",
+        resumed: dict[str, Any] | None = None,
+    ) -> None:
+        self.path, self._asked, self._resumed = path, parts, resumed
+        self.rows: list[dict[str, Any]] = []
+
+    def attach(self, stepper: Newmark) -> Self:
+        """Begin to add up the torques of a stepper's contact."""
+        self.contact = require_contact(stepper, "torque about the joints")
+        wearer = self.contact.body
+        if not isinstance(wearer, Wearer):
+            raise ValueError(
+                f"torque acts about the joints of a Wearer; the body in contact is a "
+                f"{type(wearer).__name__} of {', '.join(wearer.names)}: give Contact a Wearer"
+            )
+        self.wearer, self.joints = wearer, wearer.joints
+        self.parts = chosen_parts(wearer, self._asked)
         self.counts = np.array(
             [[name in self.parts[joint] for name in wearer.names] for joint in self.joints]
         ).reshape(len(self.joints), len(wearer.names))
         self.total, self.seconds = np.zeros((len(self.joints), 5)), 0.0
         self._joints, self._comm = wearer.new_joints(), stepper.shell.comm
-        self.rows = []
-        self.path = None if path is None or self._comm.rank else Path(path)
-        if resumed is not None:
-            self.rows = rows_until(path, stepper.time)
-            self.total[:] = resumed["torque"] if self._comm.rank == 0 else 0.0
-            self.seconds = float(resumed["torque_seconds"])
-        if self.path:
-            write_atomically(self.path, ",".join(COLUMNS) + "\n" + "".join(map(line, self.rows)))
-        stepper.hooks.append(self)
+        self._file = None if self.path is None or self._comm.rank else Path(self.path)
+        if self._resumed is not None:
+            if self.path is not None:
+                self.rows = rows_until(self.path, stepper.time)
+            self.total[:] = self._resumed["torque"] if self._comm.rank == 0 else 0.0
+            self.seconds = float(self._resumed["torque_seconds"])
+        if self._file:
+            write_atomically(self._file, ",".join(COLUMNS) + "\n" + "".join(map(line, self.rows)))
+        return super().attach(stepper)
 
-    def __call__(self, stepper, dt):
-        correction = self.touch.correction
+    def __call__(self, stepper: Newmark, dt: float) -> None:
         now = self.wearer.joint_state(stepper.time, self._joints)
-        centres, table = correction.start_pose.centres, correction.last.table
+        centres, table = self.contact.start_pose.centres, self.contact.last.table
         add_torque(table, centres, self.counts, *now, self.total)
         self.seconds += dt
 
-    def record(self, time):
+    def record(self, time: float) -> list[dict[str, Any]]:
         """Rows of the window that ends at `time` [s], one a joint; begins a new window."""
         total = self._comm.allreduce(self.total) / max(self.seconds, 1e-300)
         rows = [
@@ -110,55 +156,46 @@ class Torque:
         ]
         self.rows += rows
         self.total[:], self.seconds = 0.0, 0.0
-        if self.path:
-            with open(self.path, "a") as file:
+        if self._file:
+            with open(self._file, "a") as file:
                 file.write("".join(line(row) for row in rows))
         return rows
 
-    def state(self):
+    def state(self) -> tuple[np.ndarray, float]:
         """Sums of the open window on this rank, for `restore` (copies)."""
         return self.total.copy(), self.seconds
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Continue from `state()`."""
         self.total[:], self.seconds = state
 
-    def saved(self):
+    def saved(self) -> dict[str, Any]:
         """Sums of the open window over all ranks, for `resumed`; all ranks call."""
         return {"torque": self._comm.allreduce(self.total), "torque_seconds": self.seconds}
 
 
-def rows_until(path, time):
+def rows_until(path: str | Path, time: float) -> list[dict[str, Any]]:
     """Rows of a torque.csv up to a time [s]."""
     with open(path) as file:
-        rows = list(csv.DictReader(file))
-    rows = [{k: v if k == "joint" else float(v) for k, v in row.items()} for row in rows]
+        read = list(csv.DictReader(file))
+    rows: list[dict[str, Any]] = [
+        {k: v if k == "joint" else float(v) for k, v in row.items()} for row in read
+    ]
     return [row for row in rows if row["time"] <= time + 1e-9]
 
 
-def chosen_parts(wearer, parts):
-    """joint -> names of the ellipsoids that count, see `Torque`."""
-    if parts == "distal":
-        return {joint: wearer.below(joint) for joint in wearer.joints}
-    if parts == "child":
-        return {joint: wearer.just_below(joint) for joint in wearer.joints}
-    if not isinstance(parts, dict):
-        raise ValueError(f"parts of a torque are 'distal', 'child' or a table, not {parts!r}")
-    for joint, names in parts.items():
-        if joint not in wearer.joints:
-            raise ValueError(f"no joint '{joint}'; there are: {', '.join(wearer.joints)}")
-        for name in names:
-            wearer.index(name)
-    return {joint: list(parts.get(joint, wearer.below(joint))) for joint in wearer.joints}
-
-
-def line(row):
+def line(row: dict[str, Any]) -> str:
     """A row of torque.csv."""
     values = (row[key] for key in COLUMNS)
     return ",".join(v if isinstance(v, str) else f"{v:.10g}" for v in values) + "\n"
 
 
-def resistance(rows, joint, strides=(), start=None):
+def resistance(
+    rows: list[dict[str, Any]],
+    joint: str,
+    strides: Sequence[tuple[float, float]] = (),
+    start: float | None = None,
+) -> dict[str, Any]:
     """What the clothing costs a joint, integrated over time.
 
     Parameters

@@ -19,50 +19,82 @@ it too.
 
 import csv
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
+
+from shellform.dynamics.part import Part
+from shellform.dynamics.time_stepper import Stepper
 
 from .files import write_atomically
 
 AXES = "xyz"
 
 
-class Ledger:
-    """Columns of a moving shell, one row an output time.
+class Ledger(Part):
+    """Columns of a moving shell, one row an output time, with those of its contact if it has one.
 
     Parameters
     ----------
     path : CSV file, written by rank 0; None: rows are only returned
-    stepper : Newmark or ImplicitNewmark
-    touch : Touch or None
     resumed : state of a run that is gone on with, see `saved`; its rows stay in the file
 
     Attributes
     ----------
     rows : list of dict
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Newmark(shell)
+    >>> ledger = stepper.add(sf.Ledger("ledger.csv"))
+    >>> stepper.advance(0.1)
+    >>> row = ledger.record()
+    >>> f"{row['momentum_z']:.2f} N s", row["momentum_residual"] < 1e-12
+    ('-0.03 N s', True)
     """
 
-    def __init__(self, path, stepper, touch=None, resumed=None):
-        self.stepper, self.touch, self.rows = stepper, touch, []
-        self._path = None if path is None or stepper.shell.comm.rank else Path(path)
-        if resumed is None:
-            self._contact, self._contact_work = np.zeros(3), 0.0
-            self._start = self._momentum(), self._impulses(), stepper.balance()
-            if self._path:
-                self._path.unlink(missing_ok=True)
-            return
+    books_contact = True
+
+    def __init__(
+        self, path: str | Path | None = None, resumed: dict[str, Any] | None = None
+    ) -> None:
+        self.path, self._resumed = path, resumed
+        self._file: Path | None = None  # rank 0 writes
+        self.rows: list[dict[str, float]] = []
+        self._contact, self._contact_work = np.zeros(3), 0.0
+
+    def attach(self, stepper: Stepper) -> Self:
+        """Begin the books with the present state of a stepper; all ranks call."""
+        super().attach(stepper)
+        if self.path is not None and stepper.shell.comm.rank == 0:
+            self._file = Path(self.path)
+        if self._resumed is not None:
+            self._resume(self._resumed)
+            return self
+        self._start = self._momentum(), self._impulses(), stepper.balance()
+        if self._file:
+            self._file.unlink(missing_ok=True)
+        return self
+
+    def _resume(self, resumed):
         kinds, numbers, sums = (resumed[f"ledger_{name}"] for name in ("kinds", "start", "sums"))
         start = dict(zip(kinds.tolist(), numbers[12:].tolist(), strict=True))
         self._start = numbers[:3], numbers[3:12].reshape(3, 3), start
         self._contact, self._contact_work = sums[:3].copy(), float(sums[3])
-        with open(path) as file:
+        if self.path is None:
+            return
+        with open(self.path) as file:
             rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
-        self.rows = [row for row in rows if row["time"] <= stepper.time + 1e-9]
-        if self._path and self.rows:
+        self.rows = [row for row in rows if row["time"] <= self.stepper.time + 1e-9]
+        if self._file and self.rows:
             head = ",".join(self.rows[0]) + "\n"
-            write_atomically(self._path, head + "".join(map(_line, self.rows)))
+            write_atomically(self._file, head + "".join(map(_line, self.rows)))
 
-    def record(self):
+    def record(self) -> dict[str, float]:
         """Append a row for the present time and begin a new window of contact; all ranks call."""
         stepper, comm = self.stepper, self.stepper.shell.comm
         start, now = self._start[2], stepper.balance()
@@ -73,38 +105,38 @@ class Ledger:
         row |= {"external_work": change["external"], "support_work": change["support"]}
         row |= {"drag_loss": change["drag"], "damping_loss": change["damping"]}
         friction = impact = moved = 0.0
-        if self.touch is not None:
-            correction = self.touch.correction
-            window = correction.window
+        contact = stepper.contact
+        if contact is not None:
+            window = contact.window
             table = comm.allreduce(window.table)
             seconds = max(window.seconds, 1e-300)
             self._contact += table[:, :3].sum(axis=0)
             moved, friction, impact = table[:, 6].sum(), table[:, 7].sum(), table[:, 8].sum()
-            for name, force in zip(correction.body.names, table[:, :6] / seconds, strict=True):
+            for name, force in zip(contact.body.names, table[:, :6] / seconds, strict=True):
                 for k in range(3):
                     row[f"force_{name}_{AXES[k]}"] = force[k]
                     row[f"moment_{name}_{AXES[k]}"] = force[3 + k]
-            row["active"] = comm.allreduce(correction.active)
-            row["pinched"] = comm.allreduce(correction.pinched)
-            correction.reset()
+            row["active"] = comm.allreduce(contact.active)
+            row["pinched"] = comm.allreduce(contact.pinched)
+            contact.reset()
         row |= {"body_work": moved, "friction_loss": friction, "impact_loss": impact}
         self._contact_work += moved - friction - impact
-        left = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
+        residual = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
         for k in range(3):
             row[f"momentum_{AXES[k]}"] = momentum[k]
             row[f"support_impulse_{AXES[k]}"] = impulses[1, k]
-        row["momentum_residual"] = float(np.linalg.norm(left))
+        row["momentum_residual"] = float(np.linalg.norm(residual))
         gain = change["kinetic"] + change["strain"] - self._contact_work
         given = change["external"] + change["support"] - change["drag"] - change["damping"]
         row["energy_residual"] = gain - given
         self.rows.append(row)
-        if self._path:
+        if self._file:
             first = len(self.rows) == 1
-            with open(self._path, "a") as file:
+            with open(self._file, "a") as file:
                 file.write((",".join(row) + "\n" if first else "") + _line(row))
         return row
 
-    def saved(self):
+    def saved(self) -> dict[str, np.ndarray]:
         """What a later part of the run needs, for `resumed`."""
         momentum, impulses, start = self._start
         return {

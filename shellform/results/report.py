@@ -1,18 +1,26 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a run leaves behind: summary.json and the frames of a series for ParaView.
+"""summary.json: what was modelled, what it cost, on what versions, and the results."""
 
-Every file is written under a temporary name and then renamed, by rank 0: a run that dies leaves
-its last complete files.
-"""
+from __future__ import annotations
 
 import json
 import platform
 import resource
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from mpi4py import MPI
 
 import numpy as np
+
+from shellform.fem.shell import Shell
+
+if TYPE_CHECKING:
+    # a static run loads no stepper
+    from shellform.dynamics.time_stepper import Stepper
 
 from .files import write_atomically
 
@@ -29,16 +37,16 @@ class Report:
     comm : MPI communicator
     """
 
-    def __init__(self, folder, scene, settings, comm):
+    def __init__(self, folder: str | Path, scene: str, settings: dict, comm: MPI.Comm):
         self.folder, self.comm = Path(folder), comm
         if comm.rank == 0:
             self.folder.mkdir(parents=True, exist_ok=True)
         self.seconds = dict.fromkeys(STAGES, 0.0)
         self._start = time.perf_counter()
-        self.summary = {"scene": scene, "plan": {}, "settings": settings, "ranks": comm.size}
+        self.summary: dict = {"scene": scene, "plan": {}, "settings": settings, "ranks": comm.size}
 
     @contextmanager
-    def stage(self, name):
+    def stage(self, name: str) -> Iterator[None]:
         """Count the seconds of a block to a stage of STAGES."""
         start = time.perf_counter()
         try:
@@ -46,13 +54,19 @@ class Report:
         finally:
             self.seconds[name] += time.perf_counter() - start
 
-    def shift(self, seconds, source, target):
+    def shift(self, seconds: float, source: str, target: str) -> None:
         """Count seconds that were measured inside one stage to another."""
         self.seconds[source] -= seconds
         self.seconds[target] += seconds
 
-    def describe(self, shell, **plan):
-        """Enter sizes and energy terms of a shell, and what else the plan of a scene says."""
+    def describe(
+        self,
+        shell: Shell,
+        stepper: Stepper | None = None,
+        /,
+        **plan: Any,
+    ) -> None:
+        """Enter sizes and terms of a shell, of its stepper if any, and what else is planned."""
         surface = shell.surface
         held = shell.comm.allreduce(int(shell.supports.held[: shell.partition.n_owned].sum()))
         self.summary |= {
@@ -60,9 +74,10 @@ class Report:
             "nodes": len(surface.points),
             "dofs": 5 * len(surface.points) - held,
         }
-        self.summary["plan"] |= shell.plan() | plan
+        made = shell.plan() if stepper is None else stepper.describe()
+        self.summary["plan"] |= made | plan
 
-    def write(self, results, **entries):
+    def write(self, results: dict, **entries: Any) -> None:
         """Write summary.json with the results of the run."""
         seconds = {k: round(v, 4) for k, v in self.seconds.items()}
         seconds["total"] = round(time.perf_counter() - self._start, 4)
@@ -79,7 +94,7 @@ class Report:
             write_atomically(self.folder / "summary.json", text + "\n")
 
 
-def versions():
+def versions() -> dict[str, str]:
     """Versions of what the numbers depend on."""
     from petsc4py import PETSc
 

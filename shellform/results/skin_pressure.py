@@ -3,34 +3,52 @@
 
 In each step the impulse J on a node in contact is split at its closest point, with the normal n of
 the node's segment, into J . n, which presses, and the rest, which rubs. Both are shared out among
-the four nearest patches (geometry/surface_patches.py): forces add up exactly, a peak is spread over
-about one patch. Patches smaller than a cell of the cloth show its nodes.
+the four nearest patches (contact/geometry/surface_patches.py): forces add up exactly, a peak is
+spread over about one patch. Patches smaller than a cell of the cloth show its nodes.
 
-A node in a crease between two ellipsoids presses on the one that `Correction.segment` names, with
-the part of J along that one's normal; what is left of the push by the other is counted as rubbing.
-A patch that another ellipsoid covers in part has its force divided by its whole area.
+A node in a crease between two ellipsoids presses on the one that `VelocityCorrection.segment`
+names, with the part of J along that one's normal; what is left of the push by the other is counted
+as rubbing. A patch that another ellipsoid covers in part has its force divided by its whole area.
 
 Impulses add up over a window between two records. Ranks are added together at a record only.
 """
 
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from contact.geometry.ellipsoid import foot_and_normal
 from contact.geometry.surface_patches import Patches, four_nearest
 from contact.kernel import kernel
+from shellform.contact_coupling.contact import require_contact
+from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import Part
 
 NORMAL, RUBBED, COVERED, BOOKED = 0, 1, 2, 3
 
 
 @kernel
 def add_pressure(
-    points, w, segment, impulse, mass, dt, centres, axes, radii, heights, sectors, rows, columns,
-    first, which, weights, total,
-):  # fmt: skip
+    points: np.ndarray,
+    w: np.ndarray,
+    segment: np.ndarray,
+    impulse: np.ndarray,
+    mass: np.ndarray,
+    dt: float,
+    centres: np.ndarray,
+    axes: np.ndarray,
+    radii: np.ndarray,
+    heights: np.ndarray,
+    sectors: np.ndarray,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    first: np.ndarray,
+    which: np.ndarray,
+    weights: np.ndarray,
+    total: np.ndarray,
+) -> None:
     """Add a step's impulses on the wearer to the patches.
 
     Parameters
@@ -95,12 +113,11 @@ class Map(NamedTuple):
     seconds: float
 
 
-class Pressure:
-    """Hook behind a `Touch`: pressure of every step on the body's patches, averaged.
+class Pressure(Part):
+    """Pressure of every step on the patches of the body in contact, averaged between records.
 
     Parameters
     ----------
-    touch : Touch, contact at nodes; stepper : its stepper
     size : float, side of a patch [m]
     resumed : state of a run that is gone on with, see `saved`
 
@@ -110,17 +127,24 @@ class Pressure:
 
     Raises
     ------
-    ValueError for contact inside cells, patches without a size, a state of other patches
+    ValueError, when it is added, for no contact or one inside cells, patches without a size, a
+    state of other patches
     """
 
-    def __init__(self, touch, stepper, size=0.03, resumed=None):
-        if touch.inner is not None:
+    books_contact = True
+
+    def __init__(self, size: float = 0.03, resumed: dict[str, Any] | None = None) -> None:
+        self.size, self._resumed = size, resumed
+
+    def attach(self, stepper: Newmark) -> Self:
+        """Begin to add up the pressure of a stepper's contact."""
+        self.contact = require_contact(stepper, "a pressure map")
+        if self.contact.inner is not None:
             raise ValueError(
                 "a pressure map is made of contact at nodes: leave out the samples inside cells"
             )
-        correction = touch.correction
-        self.touch, self.names = touch, correction.body.names
-        self.patches = patches = Patches(correction.body.radii, size)
+        self.names = self.contact.body.names
+        self.patches = patches = Patches(self.contact.body.radii, self.size)
         self._areal_mass, self._comm = stepper.shell.fabric.areal_mass, stepper.shell.comm
         P = len(patches.areas)
         self.total, self.seconds = np.zeros((P, BOOKED)), 0.0
@@ -128,21 +152,20 @@ class Pressure:
         self._sums, self._whole = np.zeros((P, BOOKED)), 0.0
         self._peak, self._peak_time = np.zeros(P), np.full(P, np.nan)
         self._which, self._weights = np.zeros(4, np.int64), np.zeros(4)
-        if resumed is not None:
-            self._resume(resumed)
-        stepper.hooks.append(self)
+        if self._resumed is not None:
+            self._resume(self._resumed)
+        return super().attach(stepper)
 
-    def __call__(self, stepper, dt):
-        correction = self.touch.correction
-        pose = correction.start_pose
+    def __call__(self, stepper: Newmark, dt: float) -> None:
+        contact, pose = self.contact, self.contact.start_pose
         add_pressure(
-            stepper.points, stepper.owned, correction.segment, correction.last.impulse,
+            stepper.points, stepper.owned, contact.segment, contact.last.impulse,
             stepper.mass, dt, pose.centres, pose.axes, *self.patches.tables, self._which,
             self._weights, self.total,
         )  # fmt: skip
         self.seconds += dt
 
-    def record(self, time):
+    def record(self, time: float) -> np.ndarray:
         """Close the window that ends at `time` [s], begin a new one; all ranks call.
 
         Returns
@@ -162,7 +185,7 @@ class Pressure:
         self.total[:], self.seconds = 0.0, 0.0
         return mean
 
-    def result(self):
+    def result(self) -> Map:
         """Map of all closed windows."""
         patches, span = self.patches, max(self._whole, 1e-300)
         mean, rubbing, share = (self._sums / (patches.areas[:, None] * span)).T.copy()
@@ -172,15 +195,15 @@ class Pressure:
             self._whole,
         )  # fmt: skip
 
-    def state(self):
+    def state(self) -> tuple[np.ndarray, float]:
         """The open window on this rank, for `restore` (copies)."""
         return self.total.copy(), self.seconds
 
-    def restore(self, state):
+    def restore(self, state: Any) -> None:
         """Continue from `state()`."""
         self.total[:], self.seconds = state
 
-    def saved(self):
+    def saved(self) -> dict[str, np.ndarray]:
         """Open and closed windows over all ranks, for `resumed`; all ranks call."""
         return {
             "pressure_open": self._comm.allreduce(self.total),
@@ -205,7 +228,7 @@ class Pressure:
         self.seconds, self._whole = state["pressure_seconds"].tolist()
 
 
-def save(path, map):
+def save(path: str | Path, map: Map) -> None:
     """Write a Map as .npz, one array a field, atomically."""
     path = Path(path)
     part = path.with_name(path.name + ".part")
@@ -214,7 +237,7 @@ def save(path, map):
     os.replace(part, path)
 
 
-def load(path):
+def load(path: str | Path) -> Map:
     """Map from a file that `save` wrote."""
     with np.load(path) as file:
         fields = {name: file[name] for name in Map._fields}
@@ -222,7 +245,7 @@ def load(path):
     return Map(**fields | {name: float(fields[name]) for name in ("size", "seconds")})
 
 
-def summary(map):
+def summary(map: Map) -> dict[str, dict[str, Any]]:
     """Ellipsoid -> mean normal force [N], peak pressure [Pa], its place and time, contact area.
 
     The place is given from the centre of the ellipsoid in its segment's axes [m]; place and time

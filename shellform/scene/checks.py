@@ -1,21 +1,31 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Checks on the values of a scene, before anything is computed."""
+"""Checks on the values of a scene: their kinds, their ranges, and what goes together.
+
+They run when a scene is made, before anything is read or computed, and name part, item, value and
+mend in one sentence.
+"""
+
+from __future__ import annotations
 
 from dataclasses import fields
 from numbers import Integral, Real
-from typing import get_args
+from typing import TYPE_CHECKING, get_args
 
 from shellform.accuracy.choice import relative_error
 
 from .parts import PARTS
 
+if TYPE_CHECKING:
+    from .scene import Scene
+
+KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
 # what numbers may be, with what a number outside is likely to be
 RANGES = {
     "belt": (0, 500, "a belt of 5 to 50 N is usual"),
     "gravity": (0, 30, "9.81 on earth"),
     "motion.cutoff": (0.5, 100, "6 Hz is usual for gait; none is not offered"),
     "motion.max_gap": (0, 1, "a gap is filled up to some tenths of a second"),
-    "motion.lead_in": (0, 10, "a second is usual"),
+    "motion.initiation": (0, 10, "a second is usual"),
     "motion.obstacle": (0, 0.6, "a height in m: 0.5 as in the paper"),
     "motion.strides": (1, 50, "four as in the paper"),
     "person.stature": (1.0, 2.3, "a stature in m, as 1.76"),
@@ -35,18 +45,7 @@ RANGES = {
 }
 
 
-def check_accuracy(asked):
-    """ValueError if steps.accuracy is none."""
-    try:
-        relative_error(asked)
-    except ValueError as error:
-        raise ValueError(f"steps.accuracy is {error}") from None
-
-
-KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
-
-
-def check_kinds(scene):
+def check_kinds(scene: Scene) -> None:
     """ValueError for a text where a number belongs, and the like."""
     for part in (None, *PARTS):
         of = getattr(scene, part) if part else scene
@@ -77,7 +76,8 @@ def _is(value, kind):
     return isinstance(value, kind)
 
 
-def check_numbers(scene):
+def check_numbers(scene: Scene) -> None:
+    """ValueError for a number out of its range, and for values that exclude each other."""
     for where, (low, high, hint) in RANGES.items():
         part, _, name = where.rpartition(".")
         value = getattr(getattr(scene, part) if part else scene, name)
@@ -97,3 +97,11 @@ def check_numbers(scene):
     start, end = scene.motion.start, scene.motion.end
     if start is not None and end is not None and not start < end:
         raise ValueError(f"motion.start = {start:g} s is not before motion.end = {end:g} s")
+
+
+def check_accuracy(asked: str) -> None:
+    """ValueError if steps.accuracy is none."""
+    try:
+        relative_error(asked)
+    except ValueError as error:
+        raise ValueError(f"steps.accuracy is {error}") from None

@@ -1,49 +1,38 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The garment of a scene, placed on its wearer, and whether it fits."""
+"""The garment of a scene: made by measures or read from a file, placed where the wearer stands."""
 
 from inspect import signature
 
 import numpy as np
 
 import meshes
-from shellform.motion import anthropometry
-from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
+from shellform.motion.wearer import Wearer
 
-HIP_HEIGHT = 0.918  # of the hip joints of the person that the sizes of trousers fit [m]
-NO_MEASURES = ("size", "cell_size")  # of the arguments of trousers
-STRETCH = 0.05  # cloth that must stretch more to reach around the body is refused
+from .fit import check_fit, waist_height
+from .parts import Garment
+from .scene import Scene
+
+HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
+NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
 
 
-def garment_of(scene, wearer):
-    """Surface of the garment, where it is worn by the standing wearer.
+def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
+    """Surface of the garment, where the standing wearer has it on.
 
     Raises
     ------
     ValueError, meshes.MeshError for measures or a file that make no garment, or one that does not
     fit the wearer
     """
-    garment = scene.garment
-    known = [name for name in signature(meshes.trousers).parameters if name not in NO_MEASURES]
-    for name in garment.measures:
-        if name not in known:
-            raise ValueError(
-                f"garment.measures: no '{name}' of trousers; there are {', '.join(known)}"
-            )
+    pattern = pattern_of(scene.garment)
     height, middle, heading = stance(wearer)
-    if garment.file is not None:
-        surface = meshes.worn(meshes.load(garment.file, unit=garment.unit), waist=garment.waist)
-    elif garment.size is not None:
-        surface = meshes.trousers(garment.size, **garment.measures, cell_size=scene.cell_size)
+    if scene.garment.file is not None:
+        surface = meshes.load(scene.garment.file, unit=scene.garment.unit)
+        surface = meshes.prepare_garment(surface, waist=scene.garment.waist)
     else:
-        scale = height / HIP_HEIGHT
-        fitted = {
-            name: scale * value
-            for name, value in meshes.SIZES["large-regular"].items()
-            if name.endswith("_height")
-        }
-        fitted["waist_height"] = waist_height(wearer) - middle[2] + height
-        surface = meshes.trousers(**fitted | garment.measures, cell_size=scene.cell_size)
+        waist = waist_height(wearer) - middle[2] + height
+        surface = made_by_measures(scene.garment, pattern, scene.cell_size, height, waist)
     cosine, sine = heading[:2]
     turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1.0]])
     surface = surface.transform(turn, (*middle[:2], middle[2] - height))
@@ -51,81 +40,48 @@ def garment_of(scene, wearer):
     return surface
 
 
-def waist_height(wearer):
-    """Height [m] of the narrowest place between pelvis and abdomen, where a belt stays."""
-    pose = wearer.new_pose(wearer.start)
-    which = [wearer.index("pelvis"), wearer.index("abdomen")]
-    heights = np.linspace(*pose.centres[which, 2], 101)
-    girths = [body_girth(wearer, pose, which, height) for height in heights]
-    return float(heights[int(np.argmin(girths))])
-
-
-def check_fit(surface, wearer):
-    """ValueError if the wearer cannot be inside the garment."""
-    pose = wearer.new_pose(wearer.start)
-    waist = surface.points[surface.edges["waist"][:, 0]]
-    k = wearer.index("pelvis")
-    if not inside(waist[:, :2], pose.centres[k, :2]):
+def pattern_of(garment: Garment) -> meshes.Pattern:
+    """Pattern of a garment's kind; ValueError for a kind, a size or a measure that is not there."""
+    kind, pattern = garment.kind, meshes.GARMENTS.get(garment.kind)
+    if pattern is None:
         raise ValueError(
-            f"the waist of {surface.source} does not enclose the wearer's pelvis at "
-            f"{np.round(pose.centres[k, :2], 3).tolist()} m: it is centred at "
-            f"{np.round(waist[:, :2].mean(axis=0), 3).tolist()} m"
+            f"garment.kind: no garment is called {kind!r}; there are {', '.join(meshes.GARMENTS)}"
         )
-    for side in SIDES:
-        edge = surface.edges.get(f"{side}_hem")
-        if edge is None:
-            continue
-        hem = surface.points[edge[:, 0]]
-        k = wearer.index(f"{side}_shank")
-        if not inside(hem[:, :2], pose.centres[k, :2]):
+    if garment.size is not None and not pattern.sizes:
+        raise ValueError(
+            f"garment.size = {garment.size!r}, and a {kind} has no sizes: give its measures"
+        )
+    known = [name for name in signature(pattern.build).parameters if name not in NO_MEASURES]
+    for name in garment.measures:
+        if name not in known:
             raise ValueError(
-                f"the {side} hem of {surface.source} does not enclose the wearer's {side} leg at "
-                f"{np.round(pose.centres[k, :2], 3).tolist()} m: give the garment or the stance "
-                "another width"
+                f"garment.measures: no '{name}' of {kind}; there are {', '.join(known)}"
             )
-    places, closed = [("hips", "pelvis", np.ones(len(surface.cells), bool))], np.inf
-    if {"right_hem", "left_hem"} <= set(surface.edges):
-        legs = meshes.regions(surface)
-        # below it a leg of the garment goes all around
-        closed = surface.points[legs["torso"], 2].min() - 3 * surface.mean_cell_size
-        for side in SIDES:
-            cells = np.isin(surface.cells, legs[f"{side}_leg"]).all(axis=1)
-            places += [(f"{side} {part}", f"{side}_{part}", cells) for part in ("thigh", "shank")]
-    for place, name, cells in places:
-        k = wearer.index(name)
-        level = pose.centres[k, 2] if name == "pelvis" else min(pose.centres[k, 2], closed)
-        body, cloth = body_girth(wearer, pose, [k], level), girth_at(surface, level, cells)
-        if 0 < cloth * (1 + STRETCH) < body:
-            raise ValueError(
-                f"the wearer measures {body:.3f} m around the {place}, {surface.source} only "
-                f"{cloth:.3f} m there: take a larger size, or check the wearer's girths"
-            )
+    return pattern
 
 
-def inside(polygon, point):
-    """True if a closed polygon (k, 2) goes around a point (2,)."""
-    arms = polygon - point
-    after = np.roll(arms, -1, axis=0)
-    cross = arms[:, 0] * after[:, 1] - arms[:, 1] * after[:, 0]
-    turns = np.arctan2(cross, np.sum(arms * after, axis=1)).sum()
-    return abs(turns) > np.pi
+def made_by_measures(
+    garment: Garment,
+    pattern: meshes.Pattern,
+    cell_size: float,
+    hips: float,
+    waist: float,
+) -> meshes.Surface:
+    """Surface of a garment by its size, or grown to the wearer's heights.
 
+    Parameters
+    ----------
+    cell_size : [m]
+    hips, waist : heights of the wearer's hip joints and waist over the floor [m]
 
-def body_girth(wearer, pose, which, height):
-    """Length [m] of a tape around the ellipsoids `which` at a height [m]."""
-    return anthropometry.girth(pose.centres[which], pose.axes[which], wearer.radii[which], height)
-
-
-def girth_at(surface, height, cells):
-    """Length [m] of the section of the `cells` (mask) at a height [m]; 0 where there is none."""
-    corners = surface.cells[cells, : 3 if surface.kind == "triangle" else 4]
-    corners = surface.points[corners]
-    after = np.roll(corners, -1, axis=1)
-    above = corners[:, :, 2] > height
-    crossed = above != np.roll(above, -1, axis=1)
-    rise = np.where(crossed, after[:, :, 2] - corners[:, :, 2], 1.0)
-    part = np.where(crossed, (height - corners[:, :, 2]) / rise, 0.0)[:, :, None]
-    places = corners + part * (after - corners)
-    twice = crossed.sum(axis=1) == 2
-    ends = places[twice][crossed[twice]].reshape(-1, 2, 3)
-    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
+    Raises
+    ------
+    ValueError for a size that is not there, or measures that make no garment
+    """
+    if garment.size is not None:
+        return pattern.build(garment.size, **garment.measures, cell_size=cell_size)
+    scale = hips / HIP_HEIGHT
+    lengths = {name: scale * value for name, value in pattern.lengths.items()}
+    lengths["waist_height"] = waist
+    measures = {**pattern.girths, **lengths, **garment.measures}
+    return pattern.build(**measures, cell_size=cell_size)

@@ -3,9 +3,10 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 
-def with_unit(default, unit):
+def with_unit(default: Any, unit: str) -> Any:
     return field(default=default, metadata={"unit": unit})
 
 
@@ -15,9 +16,16 @@ class Motion:
 
     file : 'synthetic' or a C3D, TRC or CSV file; map : name or file of a segment map, None: the one
     that fits; unit, up : of the file, where it does not tell; cutoff : of the low-pass [Hz];
-    max_gap : longest gap filled [s]; start, end : part of the recording used [s]; lead_in : time
+    max_gap : longest gap filled [s]; start, end : part of the recording used [s]; initiation : time
     from standing into its first frame [s]; strides, obstacle (height [m], 0 for none) : of the
     synthetic walk.
+
+    Examples
+    --------
+    >>> Motion("walk.trc", start=1.0, end=3.5).cutoff
+    6.0
+    >>> Motion(strides=2, obstacle=0.3).file
+    'synthetic'
     """
 
     file: str | Path = "synthetic"
@@ -28,14 +36,20 @@ class Motion:
     max_gap: float = with_unit(0.1, "s")
     start: float | None = with_unit(None, "s")
     end: float | None = with_unit(None, "s")
-    lead_in: float = with_unit(1.0, "s")
+    initiation: float = with_unit(1.0, "s")
     strides: int = 4
     obstacle: float = with_unit(0.5, "m")
 
 
 @dataclass(frozen=True)
 class Person:
-    """Size of the wearer: stature [m], None: from the recording; mass [kg]; girths by name [m]."""
+    """Size of the wearer: stature [m], None: from the recording; mass [kg]; girths by name [m].
+
+    Examples
+    --------
+    >>> Person(stature=1.80, girths={"waist": 0.94}).girths
+    {'waist': 0.94}
+    """
 
     stature: float | None = with_unit(None, "m")
     mass: float | None = with_unit(None, "kg")
@@ -44,16 +58,24 @@ class Person:
 
 @dataclass(frozen=True)
 class Garment:
-    """Trousers by size or girths, or a mesh file.
+    """A garment by size or measures, or a mesh file.
 
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
-    size : of `meshes.trousers`; measures : arguments of it [m]; cell_size : of the cells [m], None:
-    by the accuracy.
+    kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
+    arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy.
+
+    Examples
+    --------
+    >>> Garment(size="medium-regular", measures={"hem": 0.36}).kind
+    'trousers'
+    >>> Garment("drawn.obj", unit="mm", waist="highest").cell_size is None
+    True
     """
 
     file: str | Path | None = None
     unit: str = "m"
     waist: str = "waist"
+    kind: str = "trousers"
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})
     cell_size: float | None = with_unit(None, "m")
@@ -65,7 +87,12 @@ class Contact:
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
-    each other, as calf and thigh [Pa/m], 0 for hard parts; see contact/solver/soft_crease.py.
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`.
+
+    Examples
+    --------
+    >>> Contact(friction=0.4, kinetic_friction=0.3).offset is None
+    True
     """
 
     friction: float = 0.3
@@ -78,9 +105,14 @@ class Contact:
 class Steps:
     """How motion is computed.
 
-    accuracy : 'draft', 'standard', 'fine' or 'N%', see accuracy.py; time_step_factor : of the
-    largest stable step; damping : stiffness-proportional [s]; drag : of the air [1/s]; dressing :
-    'shell' or 'particles', the model that puts the garment on.
+    accuracy : 'draft', 'standard', 'fine' or 'N%', see `shellform.accuracy.choice`;
+    time_step_factor : of the largest stable step; damping : stiffness-proportional [s]; drag : of
+    the air [1/s]; dressing : 'shell' or 'particles', the model that puts the garment on.
+
+    Examples
+    --------
+    >>> Steps(accuracy="5%", dressing="particles").drag
+    0.3
     """
 
     accuracy: str = "draft"
@@ -92,10 +124,15 @@ class Steps:
 
 @dataclass(frozen=True)
 class Output:
-    """What is told: window of the averages [s], pictures a second, which parts count for a joint.
+    """What is written of a run: averages over a window [s], pictures a second, torques, pressures.
 
     parts : 'distal', 'child' or a table, joint -> ellipsoids; pressure : side of a patch of the map
     of pressure on the skin [m], 0 for no map; checkpoint : time between them [s].
+
+    Examples
+    --------
+    >>> Output(frames=25.0, parts={"left_knee": ["left_shank"]}).window
+    0.02
     """
 
     window: float = with_unit(0.02, "s")

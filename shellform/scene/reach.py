@@ -11,11 +11,12 @@ import numpy as np
 import meshes
 from contact.geometry.ellipsoid import foot_and_normal
 from shellform.motion.recording import SIDES
+from shellform.motion.wearer import Wearer
 
 STRETCHED, SLIPPED = 0.2, 0.1  # of cloth; of a belt [m]
 
 
-def reachable(wearer, surface, belt):
+def reachable(wearer: Wearer, surface: meshes.Surface, belt: float) -> np.ndarray:
     """Ellipsoids (m,) bool that a garment held by its belt can come to in the whole motion.
 
     No point of the garment gets farther from the waist edge than along the cloth, stretched by
@@ -44,7 +45,7 @@ def reachable(wearer, surface, belt):
     return near
 
 
-def along_cloth(surface, edge):
+def along_cloth(surface: meshes.Surface, edge: str) -> np.ndarray:
     """Length (n,) [m] from a named edge to every point, along sides and diagonals of the cells.
 
     Never less than the length along the surface itself; infinite on pieces without the edge.
@@ -60,8 +61,8 @@ def along_cloth(surface, edge):
     return dijkstra(graph, False, indices=np.unique(surface.edges[edge]), min_only=True)
 
 
-def reach_of(surface, wearer):
-    """Ellipsoids that every node can touch, (n,) int for `Correction(allowed=...)`.
+def reach_of(surface: meshes.Surface, wearer: Wearer) -> np.ndarray:
+    """Ellipsoids that every node can touch, (n,) int for `VelocityCorrection(allowed=...)`.
 
     A trouser leg does not meet the other leg of the wearer: between them is the other trouser leg,
     and cloth does not meet cloth here.
@@ -71,6 +72,6 @@ def reach_of(surface, wearer):
         return allowed
     parts = meshes.regions(surface)
     for side, other in (SIDES, SIDES[::-1]):
-        far = [n for n, s in zip(wearer.names, wearer.segments, strict=True) if other in s]
+        far = [n for n, s in zip(wearer.names, wearer.carriers, strict=True) if other in s]
         allowed[parts[f"{side}_leg"]] &= ~wearer.mask(far)
     return allowed

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The scene: wearer, motion, garment, fabric, belt, and how it is to be computed and told.
+"""The scene: wearer, motion, garment, fabric, belt, how it is to be computed and what is written.
 
 A Scene is a value, made in Python or read from a TOML file (scene_file.py). Everything in it is
-checked when it is made; nothing is computed. `build.py` turns it into arrays and finite elements.
+checked when it is made; nothing is computed. wearer.py and garment.py turn it into arrays.
 """
 
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
-from shellform.accuracy.choice import choose, garment_length
+from shellform.accuracy.choice import Choice, choose, garment_length
+from shellform.material.card import fabric_of
 from shellform.material.fabric import Fabric
 from shellform.material.sheet import Sheet
 
@@ -27,6 +28,16 @@ class Scene:
     Raises
     ------
     ValueError naming the part, the item and the mend
+
+    Examples
+    --------
+    >>> from shellform.scene.parts import Garment, Person
+    >>> scene = sf.Scene("stiff", person=Person(stature=1.80), garment=Garment(cell_size=0.03))
+    >>> scene.cell_size, scene.motion.file, scene.contact.friction
+    (0.03, 'synthetic', 0.3)
+    >>> sf.Scene(gravity=98.1)
+    Traceback (most recent call last):
+    ValueError: gravity = 98.1 lies outside 0 to 30: 9.81 on earth
     """
 
     fabric: Fabric | str | Path = "compliant"
@@ -51,15 +62,13 @@ class Scene:
         check_numbers(self)
 
     @property
-    def cell_size(self):
+    def cell_size(self) -> float:
         """Size of the garment's cells [m]."""
         return self.garment.cell_size or self.choice.size
 
     @property
-    def choice(self):
+    def choice(self) -> Choice:
         """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
-        from shellform.material.card import fabric_of
-
         length = garment_length(fabric_of(self.fabric))
         choice = choose("walk", self.steps.accuracy, length)
         given = self.garment.cell_size

@@ -18,8 +18,10 @@ Everything left out has its default; `write` puts down a scene in full.
 import difflib
 import json
 import tomllib
-from dataclasses import fields, replace
+from collections.abc import Mapping
+from dataclasses import Field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,14 +36,14 @@ from .scene import Scene
 FILES = (("motion", "file"), ("motion", "map"), ("garment", "file"))
 
 
-def key_of(item):
+def key_of(item: Field) -> str:
     """Key of a dataclass field in the file: its name with its unit."""
     unit = item.metadata.get("unit", "")
     unit = unit.replace("1/", "per_").replace("/", "_per_").replace("^", "").replace(" ", "_")
     return f"{item.name}_{unit}".strip("_")
 
 
-def read_scene(path):
+def read_scene(path: str | Path) -> Scene:
     """Scene of a file.
 
     Raises
@@ -64,7 +66,7 @@ def _is_file(key, path):
     return key == "file" or path.is_file()
 
 
-def scene_from(data, where="scene", folder=Path()):
+def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Path()) -> Scene:
     """Scene of the contents of a file; paths in it are relative to `folder`."""
     data = dict(data)
     values = {}
@@ -103,7 +105,7 @@ def _named(table, items, where, more=()):
     return values
 
 
-def write_scene(scene, path):
+def write_scene(scene: Scene, path: str | Path) -> None:
     """Write a scene in full, so that `read_scene` gives it back; a Fabric by its matrices."""
     lines = [f"title = {_toml(scene.title)}", f"fabric = {_fabric(scene.fabric)}"]
     for item in fields(Scene):

@@ -1,24 +1,29 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From a scene to its parts: the wearer in motion, the garment where it will be worn, the plan.
+"""The wearer of a scene: a captured or a synthetic motion, and ellipsoids of the person's size.
 
-Only what the scene asks for is imported, read and made. Everything a user can get wrong about body
-and garment is found here, before any computation.
+Only what the scene asks for is imported, read and made. A motion that does not begin at rest is led
+into from standing; what of the body the garment cannot come to is left out.
 """
+
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from shellform.material.card import fabric_of
+from meshes import Surface
 from shellform.motion import anthropometry
-from shellform.motion.capture.standing_start import lead_in
-from shellform.motion.gait.synthetic_walk import standing_of, synthetic_walk
+from shellform.motion.capture.gait_initiation import gait_initiation
+from shellform.motion.gait.standing_pose import standing_of
+from shellform.motion.gait.synthetic_walk import synthetic_walk
+from shellform.motion.joint_parts import chosen_parts
+from shellform.motion.proportions import STATURE
 from shellform.motion.recording import SIDES, Recording
 from shellform.motion.wearer import Wearer
-from shellform.results.joint_torque import chosen_parts
 
 from .reach import reachable
+from .scene import Scene
 
 
-def wearer_of(scene):
+def wearer_of(scene: Scene) -> Wearer:
     """Wearer of a scene, who starts from standing.
 
     Raises
@@ -28,7 +33,7 @@ def wearer_of(scene):
     motion, person = scene.motion, scene.person
     if motion.file == "synthetic":
         recording = synthetic_walk(
-            **({} if person.stature is None else {"stature": person.stature}),
+            stature=STATURE if person.stature is None else person.stature,
             strides=motion.strides,
             obstacle=motion.obstacle,
             obstacle_stride=min(3, motion.strides),
@@ -48,13 +53,13 @@ def wearer_of(scene):
         )
     standing = standing_of(recording)
     if not at_rest(recording, standing):
-        recording = lead_in(recording, standing, motion.lead_in)
+        recording = gait_initiation(recording, standing, motion.initiation)
     wearer = Wearer(recording, ellipsoids_of(scene, recording))
-    chosen_parts(wearer, scene.output.parts)  # a joint that is not there is told before dressing
+    chosen_parts(wearer, scene.output.parts)  # a joint that is not there is found before dressing
     return wearer
 
 
-def ellipsoids_of(scene, recording):
+def ellipsoids_of(scene: Scene, recording: Recording) -> list[anthropometry.Ellipsoid]:
     """Ellipsoids of the wearer of a scene who stands in the first frame, as rows for `Wearer`."""
     person = scene.person
     right, left = (recording.points[f"{side}_thigh"][0, 0] for side in SIDES)
@@ -67,7 +72,7 @@ def ellipsoids_of(scene, recording):
     )
 
 
-def dressed_wearer(scene, wearer, surface):
+def dressed_wearer(scene: Scene, wearer: Wearer, surface: Surface) -> Wearer:
     """The wearer with only the ellipsoids that the garment can come to; the same if these are all.
 
     What `reachable` leaves out is kept where a table of parts names it.
@@ -79,7 +84,7 @@ def dressed_wearer(scene, wearer, surface):
     return part_of(scene, wearer, names)
 
 
-def part_of(scene, wearer, names):
+def part_of(scene: Scene, wearer: Wearer, names: Collection[str]) -> Wearer:
     """The wearer with only the ellipsoids of these names; the same if these are all."""
     if set(names) >= set(wearer.names):
         return wearer
@@ -87,7 +92,7 @@ def part_of(scene, wearer, names):
     return Wearer(wearer.recording, [row for row in rows if row[0] in names])
 
 
-def cut(recording, start=None, end=None):
+def cut(recording: Recording, start: float | None = None, end: float | None = None) -> Recording:
     """Part of a recording between two times [s]; ValueError if that holds less than two frames."""
     times = recording.times
     keep = times >= (-np.inf if start is None else start - 1e-9)
@@ -101,13 +106,8 @@ def cut(recording, start=None, end=None):
     return Recording(times[keep], points, recording.source, recording.notes, recording.facts)
 
 
-def at_rest(recording, standing, near=1e-6):
+def at_rest(recording: Recording, standing: Mapping[str, np.ndarray], near: float = 1e-6) -> bool:
     """True if a recording begins in the standing pose, at rest."""
     return all(
         np.abs(track[:2] - standing[name]).max() < near for name, track in recording.points.items()
     )
-
-
-def fabric(scene):
-    """Fabric of a scene."""
-    return fabric_of(scene.fabric)

@@ -1,40 +1,45 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What an error costs in a scene of one's own: `shellform trade scene.toml`.
+"""What an error costs in a scene of one's own, and the error of a run from a companion run.
 
-Cells follow from the errors measured (accuracy.py), nodes and steps from the scene built once:
-nodes go with h^-2, the stable step with h. With `--measure` the cheapest settings are run, and what
-they differ by stands beside what was predicted.
+`shellform trade scene.toml` prints `cost_table`: cells follow from the errors measured
+(accuracy/choice.py), nodes and steps from the scene built once: nodes go with h^-2, the stable step
+with h. With `--measure` the two cheapest settings are run and compared. `shellform run --estimate`
+adds a run with other cells and extrapolates from the difference (Richardson).
 """
 
 import json
 from dataclasses import replace
 from pathlib import Path
 
+from mpi4py import MPI
+
 import numpy as np
 
 from shellform.accuracy import measured
 from shellform.accuracy.choice import GARMENT, LEADING
-from shellform.accuracy.error_law import FLAT, left
-from shellform.accuracy.prediction import DRESSED
+from shellform.accuracy.convergence import FLAT, companion_error
 from shellform.results.files import write_atomically
 from shellform.results.joint_torque import rows_until
+from shellform.scene.scene import Scene
 
-from .model import Activity
+from .model import Model
+from .prediction import DRESSED
+from .run import run
 from .summary import summary_of
 
 PERCENT = ("10%", "3%", "1%", "0.3%")
 COARSEST = 0.04  # m, of cells that still make trousers
 
 
-def options(scene, activity, seconds):
+def table_rows(scene: Scene, model: Model, seconds: float) -> list[dict]:
     """Rows of a table: what is asked, cells, errors, step, time, memory; coarse words first.
 
     Parameters
     ----------
-    scene : Scene; activity : Activity of it; seconds : motion and dressing [s]
+    scene : Scene; model : Model of it; seconds : motion and dressing [s]
     """
-    size, dt = scene.cell_size, activity.stepper.dt
-    nodes, rows = len(activity.surface.points), []
+    size, dt = scene.cell_size, model.stepper.dt
+    nodes, rows = len(model.surface.points), []
     for asked in (*GARMENT, *PERCENT):
         choice = replace(
             scene,
@@ -44,7 +49,7 @@ def options(scene, activity, seconds):
         many = nodes * (size / choice.size) ** 2
         step = dt * choice.size / size
         row = {"asked": asked, "choice": choice, "nodes": many, "time_step": step}
-        if choice.laws:
+        if choice.power_laws:
             work = choice.case, choice.family, many
             row["core_seconds"] = measured.seconds(*work, seconds / step)
             row["memory_mb"] = measured.memory(*work)
@@ -52,7 +57,7 @@ def options(scene, activity, seconds):
     return rows
 
 
-def lines(scene, rows, ranks):
+def table_lines(scene: Scene, rows: list[dict], ranks: int) -> list[str]:
     """Lines of the table for a person."""
     said = [
         f"{scene.title}: error of {LEADING['walk']} (root mean square over that of the curve)",
@@ -69,7 +74,7 @@ def lines(scene, rows, ranks):
             f"{row['nodes']:6.0f}  {row['time_step']:8.1e}  {minutes:7.1f}  "
             f"{row.get('memory_mb', np.nan):5.0f}"
         )
-    known = rows[0]["choice"].laws
+    known = rows[0]["choice"].power_laws
     if known:
         spreads = ", ".join(f"{name} {100 * law.spread:.2g} %" for name, law in known.items())
         said.append(f"another start alone changes: {spreads}")
@@ -79,29 +84,29 @@ def lines(scene, rows, ranks):
     return said + (broken[0].lines()[-1:] if broken else [])
 
 
-def trade(scene, comm, out=None):
+def cost_table(
+    scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD, out: str | Path | None = None
+) -> list[str]:
     """Lines of the table of a scene; all ranks call; with `out` the two cheapest are run there.
 
     Raises
     ------
-    as `activity.run`
+    as `run`
     """
-    from . import run as activity
-
-    check_cells(scene, "the trade")
-    built = Activity(scene, comm)
-    seconds = built.wearer.end - built.wearer.start + DRESSED
-    rows = options(scene, built, seconds)
-    said = lines(scene, rows, comm.size)
+    check_cells(scene, "a table of what errors cost")
+    model = Model(scene, comm)
+    seconds = model.wearer.end - model.wearer.start + DRESSED
+    rows = table_rows(scene, model, seconds)
+    said = table_lines(scene, rows, comm.size)
     if out is None:
         return said
-    del built
+    del model
     sizes = sorted({round(row["choice"].size, 6) for row in rows}, reverse=True)[:2]
     runs = []
     for size in sizes:
         folder = Path(out) / f"cells_{1e3 * size:.3g}_mm"
         one = replace(scene, garment=replace(scene.garment, cell_size=size))
-        activity.run(one, folder, comm)
+        run(one, folder, comm)
         comm.Barrier()
         runs.append((size, folder))
     said.append("measured: cells mm, minutes, torques differ from those of the next finer cells by")
@@ -113,21 +118,21 @@ def trade(scene, comm, out=None):
     return said
 
 
-def curves(folder):
+def curves(folder: str | Path) -> np.ndarray:
     """Torques about the flexion axes of all joints of a run (joints, windows) [N m]."""
     rows = rows_until(Path(folder) / "torque.csv", np.inf)
     joints = list(dict.fromkeys(row["joint"] for row in rows))
     return np.array([[r["torque_flexion"] for r in rows if r["joint"] == j] for j in joints])
 
 
-def difference(one, other):
+def difference(one: str | Path, other: str | Path) -> float:
     """Root mean square of the difference of the torques of two runs, over that of the first."""
     a, b = curves(one), curves(other)
     return float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
 
 
-def beside(scene):
-    """The scene with other cells: of twice the size, or as large as still makes trousers.
+def companion_scene(scene: Scene) -> Scene:
+    """The scene to compare with: cells of twice the size, or as large as still makes trousers.
 
     Where the scene's own are nearly that large, cells of four fifths of the size.
     """
@@ -137,7 +142,7 @@ def beside(scene):
     return replace(scene, garment=replace(scene.garment, cell_size=size))
 
 
-def check_cells(scene, what):
+def check_cells(scene: Scene, what: str) -> None:
     """ValueError if the cells of a scene cannot be chosen; what : str, that needs others."""
     if scene.garment.file:
         raise ValueError(
@@ -146,29 +151,27 @@ def check_cells(scene, what):
         )
 
 
-def estimate(scene, out, comm):
-    """Run the scene with other cells beside, and enter what that tells into summary.json.
+def estimate(scene: Scene, out: str | Path, comm: MPI.Comm = MPI.COMM_WORLD) -> dict:
+    """Run the scene with other cells too, in `out`/beside, and enter the error into summary.json.
 
     It takes an eighth to a half of the cost, twice it with the coarsest cells. All ranks call;
     returns the entry.
 
     Raises
     ------
-    as `activity.run`; ValueError for a garment from a file
+    as `run`; ValueError for a garment from a file
     """
-    from . import run as activity
-
     check_cells(scene, "an estimate")
-    out, choice, other = Path(out), scene.choice, beside(scene)
-    activity.run(other, out / "beside", comm)
+    out, choice, other = Path(out), scene.choice, companion_scene(scene)
+    run(other, out / "beside", comm)
     comm.Barrier()
     apart, how = difference(out, out / "beside"), f"cells of {1e3 * other.cell_size:.3g} mm"
     if choice.order < FLAT:
         # what two runs differ by then is what either is off by
         error, how = apart, f"difference from a run with {how}, as errors show no order in the size"
     else:
-        size = left(apart, 1 / scene.cell_size, 1 / other.cell_size, choice.order)
-        error = float(np.hypot(size, choice.law.spread if choice.laws else 0.0))
+        size = companion_error(apart, 1 / scene.cell_size, 1 / other.cell_size, choice.order)
+        error = float(np.hypot(size, choice.power_law.spread if choice.power_laws else 0.0))
         how = f"run with {how}; what another start changes added"
     entry = choice.summary(error, how)
     comm.Barrier()

@@ -5,33 +5,33 @@ from pathlib import Path
 
 import numpy as np
 
-from shellform.dressing.dress import STAGES
+from shellform.dressing.procedure import STAGES
 from shellform.motion.recording import SIDES
 from shellform.results.joint_torque import rows_until
-from shellform.scene import wearer as build
 from shellform.scene.scene_file import read_scene
+from shellform.scene.wearer import part_of, wearer_of
 
 
-def draw(out):
+def draw(out: str | Path) -> None:
     """Pictures of a run from its files: walk.png, torque.png, walk.gif."""
+    # only here: they load matplotlib
     from shellform.pictures.skin_pressure import pressure_figure
     from shellform.pictures.walk import draw_all
 
     out = Path(out)
     scene = read_scene(out / "scene.toml")
-    wearer = build.wearer_of(scene)
+    wearer = wearer_of(scene)
     rows = {scene.title: rows_until(out / "torque.csv", np.inf)}
     draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
     if (out / "pressure.npz").is_file():
         from shellform.results.skin_pressure import load
 
         skin = load(out / "pressure.npz")
-        path = out / "pressure.png"
-        worn = build.part_of(scene, wearer, skin.names)
-        pressure_figure(path, worn, skin, wearer.start, scene.title)
+        dressed = part_of(scene, wearer, skin.names)
+        pressure_figure(out / "pressure.png", dressed, skin, wearer.start, scene.title)
 
 
-def dressing_frames(out):
+def dressing_frames(out: str | Path) -> list[tuple]:
     """(label, frame, ellipsoids left out) of the stages of dressing, from the files of a run."""
     from shellform.pictures.walk import read_frames
 

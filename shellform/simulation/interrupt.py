@@ -3,11 +3,13 @@
 
 import signal
 
+from mpi4py import MPI
+
 
 class Interrupt:
     """Ctrl-C as a question to be asked between windows, the same answer on all ranks."""
 
-    def __init__(self, comm):
+    def __init__(self, comm: MPI.Comm):
         self.comm, self.pressed = comm, False
 
     def __enter__(self):
@@ -20,6 +22,6 @@ class Interrupt:
     def _press(self, *_):
         self.pressed = True
 
-    def asked(self):
+    def asked(self) -> bool:
         """True on all ranks once a rank has been interrupted."""
         return bool(self.comm.allreduce(int(self.pressed)))

@@ -1,17 +1,28 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A scene ready to be stepped: wearer, garment, shell, stepper, contact."""
+"""What a scene describes, made: wearer, garment, shell, stepper, contact."""
 
-from shellform.contact_coupling.explicit_contact import Touch
+from collections.abc import Callable
+from pathlib import Path
+
+from mpi4py import MPI
+
+from shellform.contact_coupling.contact import Contact
+from shellform.contact_coupling.explicit_contact import ExplicitContact
 from shellform.dressing.belt import Belt
-from shellform.dressing.dress import Dressing, dress, settle
+from shellform.dressing.dress import dress
+from shellform.dressing.procedure import Dressing
+from shellform.dressing.saved_state import put_on
+from shellform.dressing.settle import AT_LEAST, settle_again
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
+from shellform.material.card import fabric_of
 from shellform.scene.garment import garment_of
 from shellform.scene.reach import reach_of
-from shellform.scene.wearer import dressed_wearer, fabric, wearer_of
+from shellform.scene.scene import Scene
+from shellform.scene.wearer import dressed_wearer, wearer_of
 
 
-class Activity:
+class Model:
     """A scene ready to be stepped.
 
     Parameters
@@ -20,17 +31,17 @@ class Activity:
 
     Attributes
     ----------
-    wearer : Wearer of those ellipsoids that the garment can come to
-    surface, shell, stepper, touch : see build.py, Shell, Newmark, Touch
-    whole : Wearer of all of them
+    wearer : Wearer of those ellipsoids that the garment can come to; whole : Wearer of all of them
+    surface : meshes.Surface, the garment; shell, stepper, contact : of the garment on the wearer
+    belt : Belt, once the garment is on
     """
 
-    def __init__(self, scene, comm):
+    def __init__(self, scene: Scene, comm: MPI.Comm):
         self.scene, self.comm = scene, comm
         self.whole = wearer_of(scene)
         self.surface = garment_of(scene, self.whole)
         self.wearer = dressed_wearer(scene, self.whole, self.surface)
-        self.shell = Shell(self.surface, fabric(scene), comm)
+        self.shell = Shell(self.surface, fabric_of(scene.fabric), comm)
         if scene.gravity:
             self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
         steps = scene.steps
@@ -38,41 +49,56 @@ class Activity:
             self.shell, steps.time_step_factor, damping=steps.damping, drag=steps.drag
         )
         self.stepper.strain_energy()
-        self.touch = self._touch(self.stepper)
+        self.contact = self._meet(self.stepper)
+        self.belt: Belt | None = None
 
-    def _touch(self, stepper):
+    def _meet(self, stepper: Newmark) -> ExplicitContact:
+        """Contact of a stepper's nodes with those ellipsoids that each can come to."""
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
-        friction = contact.friction
-        if contact.kinetic_friction is not None:
-            friction = (friction, contact.kinetic_friction)
-        soft = {"flesh_stiffness": contact.flesh_stiffness}
-        touch = Touch(stepper, self.wearer, friction, contact.offset, **soft)
-        touch.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
-        return touch
+        kinetic = contact.kinetic_friction
+        running = stepper.add(
+            Contact(
+                self.wearer,
+                contact.friction if kinetic is None else (contact.friction, kinetic),
+                contact.offset,
+                flesh_stiffness=contact.flesh_stiffness,
+            )
+        )
+        running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
+        return running
 
     @property
-    def weight(self):
+    def weight(self) -> float:
         """Weight of the garment [N]."""
         return self.comm.allreduce(self.stepper.mass.sum()) * self.scene.gravity
 
-    def dress(self, watch=None):
-        """Put the garment on; returns the report of `dressing.dress`."""
-        tension = self.scene.belt
-        if self.scene.steps.dressing == "shell":
-            self.belt, report = dress(self.stepper, self.touch, tension, watch=watch)
-            return report
+    def dress(self, watch: Callable | None = None) -> dict:
+        """Put the garment on; returns the report of `dressing.dress.dress`."""
+        put = self._dress_shell if self.scene.steps.dressing == "shell" else self._dress_springs
+        self.belt, report = put(watch)
+        return report
+
+    def put_on(self, path: str | Path) -> dict:
+        """Put on the dressed state of a file; returns the report of `dressing.settle.settle`."""
+        self.belt, report = put_on(path, self.stepper, self.scene.belt)
+        return report
+
+    def lay_belt(self) -> None:
+        """The belt alone, around cloth whose state comes from a checkpoint."""
+        self.belt = self.stepper.add(Belt("waist", self.scene.belt))
+
+    def _dress_shell(self, watch: Callable | None) -> tuple[Belt, dict]:
+        return dress(self.stepper, self.scene.belt, watch=watch)
+
+    def _dress_springs(self, watch: Callable | None) -> tuple[Belt, dict]:
+        """Masses and springs are put on first; the shell bends where they do not: it settles."""
+        # only here: springs compile kernels of their own
         from shellform.dynamics.mass_spring import Particles, hand_over
 
         steps = self.scene.steps
         particles = Particles(self.shell, steps.time_step_factor, drag=steps.drag)
-        touch = self._touch(particles)
-        _, report = dress(particles, touch, tension, watch=watch)
-        hand_over(particles, self.stepper, touch, self.touch)
-        # the shell bends where springs do not: it settles once more
-        plan = Dressing()
-        self.belt = Belt(self.stepper, "waist", tension)
-        self.stepper.time = self.wearer.start - plan.settle
-        self.stepper.advance(self.stepper.time + 0.1)
-        again = settle(self.stepper, self.touch, self.belt, plan, lambda *_: None)
-        self.stepper.drag = steps.drag
-        return again | {"seconds": report["seconds"] + 0.1 + again["seconds"]}
+        self._meet(particles)
+        _, first = dress(particles, self.scene.belt, watch=watch)
+        hand_over(particles, self.stepper)
+        belt, report = settle_again(self.stepper, self.scene.belt, Dressing())
+        return belt, report | {"seconds": first["seconds"] + AT_LEAST + report["seconds"]}

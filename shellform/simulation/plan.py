@@ -7,20 +7,32 @@ and not in the run either:
 element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
-motion, joints    source and times; dressing, belt, outputs: how it is put on, held, told
+motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
 
-Bending is in every plan. A sheet without it folds to the size of its cells, whatever these are, and
-what is then told of folds is told of the mesh: `demos/studies/performance/what_it_saves.py`
-measures it.
+Bending is in every plan. A sheet without it folds to the size of its cells, whatever these are, so
+that folds are then those of the mesh: `demos/studies/performance/what_it_saves.py` measures it.
 """
 
+from collections.abc import Sequence
+
+from meshes import Surface
+from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
+from shellform.material.card import fabric_of
+from shellform.motion.wearer import Wearer
 from shellform.scene.garment import garment_of
+from shellform.scene.scene import Scene
+from shellform.scene.wearer import dressed_wearer, wearer_of
 
 SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
 
 
-def plan_of(scene, wearer=None, surface=None, near=None):
+def plan_of(
+    scene: Scene,
+    wearer: Wearer | None = None,
+    surface: Surface | None = None,
+    near: Sequence[str] | None = None,
+) -> dict:
     """Plan of a scene, from the scene alone; the others spare making them once more.
 
     Parameters
@@ -31,18 +43,15 @@ def plan_of(scene, wearer=None, surface=None, near=None):
 
     Raises
     ------
-    ValueError as build.py does for a body or a garment that is wrong
+    ValueError for a body or a garment that is wrong
     """
-    from shellform.dressing.dress import Dressing
-    from shellform.scene import wearer as build
-
-    wearer = build.wearer_of(scene) if wearer is None else wearer
+    wearer = wearer_of(scene) if wearer is None else wearer
     surface = garment_of(scene, wearer) if surface is None else surface
-    near = build.dressed_wearer(scene, wearer, surface).names if near is None else near
+    near = dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
-    terms = [*terms_of(build.fabric(scene)), "inertia", "rotary inertia"]
+    terms = [*terms_of(fabric_of(scene.fabric)), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
-    plan = {
+    plan: dict = {
         "element": f"{surface.kind} of degree {surface.degree}",
         "terms": terms + [name for name, value in wanted.items() if value],
         "contact": list(near),
@@ -67,32 +76,7 @@ def plan_of(scene, wearer=None, surface=None, near=None):
     return {name: value for name, value in plan.items() if value or value is False}
 
 
-def plan_of_run(shell, stepper=None, touch=None):
-    """Plan of a run that has no scene: of a shell at rest, or with its stepper and its contact.
-
-    Parameters
-    ----------
-    shell : Shell, loads complete; stepper : Stepper, None in statics
-    touch : Touch or ImplicitTouch, None without a body
-    """
-    plan = shell.plan()
-    if stepper is None:
-        return plan
-    if hasattr(stepper, "strain_limit"):  # Particles
-        plan = {"terms": ["springs", "inertia"], "loads": plan["loads"]}
-    else:
-        plan["terms"] += ["inertia", "rotary inertia"]
-    plan["terms"] += [name for name in ("drag", "damping") if getattr(stepper, name, 0.0)]
-    if touch is not None:
-        correction = touch.correction
-        plan["contact"] = list(correction.body.names)
-        friction = getattr(correction, "friction", correction._law)[:2]
-        if friction[0] > 0:
-            plan["friction"] = list(friction)
-    return plan
-
-
-def told(plan):
+def plan_lines(plan: dict) -> list[str]:
     """Lines of a plan for a person."""
     lines = [f"modelled   {plan.get('element', '')}: {', '.join(plan['terms'])}"]
     if "contact" in plan:

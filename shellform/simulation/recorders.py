@@ -1,15 +1,104 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What is written and watched while a scene is stepped: frames, extremes of contact."""
+"""What is recorded while a scene is stepped: torque, ledger, extremes, pressure, frames."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 
-from shellform.dressing.dress import STAGES
+from shellform.contact_coupling.contact import require_contact
+from shellform.dressing.procedure import STAGES
+from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.part import Part
+from shellform.results.joint_torque import Torque
+from shellform.results.ledger import Ledger
 from shellform.results.series import Series
 
+from .model import Model
 
-def write_frame(activity, series, force):
+
+class Recorders:
+    """All that a walk records, behind its contact.
+
+    Parameters
+    ----------
+    model : Model; out : folder of torque.csv and ledger.csv
+    resumed : arrays of a checkpoint, of a run that is gone on with, or None
+
+    Attributes
+    ----------
+    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure, or None if not asked for
+    """
+
+    def __init__(self, model: Model, out: Path, resumed: dict[str, Any] | None = None):
+        add, output = model.stepper.add, model.scene.output
+        self._window = model.contact.window
+        self.joints: Torque = add(Torque(out / "torque.csv", output.parts, resumed))
+        self.ledger: Ledger = add(Ledger(out / "ledger.csv", resumed))
+        self.extremes: Extremes = add(Extremes(resumed))
+        self.skin = None
+        if output.pressure:
+            # only here: it compiles a kernel of its own
+            from shellform.results.skin_pressure import Pressure
+
+            self.skin = add(Pressure(output.pressure, resumed))
+
+    def record(self, time: float) -> np.ndarray:
+        """Rows of the window that ends at `time` [s]; begins a new one.
+
+        Returns
+        -------
+        force : (n_owned, 3) [N], mean of contact on the nodes in the window
+        """
+        self.joints.record(time)
+        if self.skin:
+            self.skin.record(time)
+        force = self._window.impulse / self._window.seconds
+        self.ledger.record()
+        return force
+
+
+class Extremes(Part):
+    """Deepest start of a step inside the body, most pinched nodes, how deep they were.
+
+    Parameters
+    ----------
+    resumed : state of a checkpoint or None
+    """
+
+    books_contact = True
+
+    def __init__(self, resumed: dict[str, Any] | None = None) -> None:
+        self.values = np.zeros(3) if resumed is None else resumed["extremes"].copy()
+
+    def attach(self, stepper: Newmark) -> Self:
+        """Begin to watch a stepper's contact."""
+        self.contact = require_contact(stepper, "a record of depths")
+        return super().attach(stepper)
+
+    def __call__(self, stepper: Newmark, dt: float) -> None:
+        now = self.contact
+        self.values[0] = max(self.values[0], now.max_depth)
+        self.values[1] = max(self.values[1], now.pinched)
+        self.values[2] = max(self.values[2], now.pinch_depth)
+
+    def state(self) -> np.ndarray:
+        """Values on this rank, for `restore` (a copy)."""
+        return self.values.copy()
+
+    def restore(self, state: np.ndarray) -> None:
+        """Continue from `state()`."""
+        self.values[:] = state
+
+    def saved(self) -> dict:
+        """Largest values over all ranks, for `resumed`."""
+        return {"extremes": np.max(self.stepper.shell.comm.allgather(self.values), axis=0)}
+
+
+def write_frame(model: Model, series: Series, force: np.ndarray) -> None:
     """Write a frame with the contact force [N] on the cloth and its pressure [Pa]."""
-    stepper, shell = activity.stepper, activity.shell
+    stepper, shell = model.stepper, model.shell
     gather = shell.partition.gather
     size = np.linalg.norm(force, axis=-1) * np.ones(stepper.n_owned)
     area = stepper.mass / shell.fabric.areal_mass
@@ -21,48 +110,16 @@ def write_frame(activity, series, force):
     series.write(shell, stepper.time, **fields)
 
 
-def dressing_watcher(activity, out, watch):
+def dressing_watcher(model: Model, out: Path, watch: Callable | None) -> Callable:
     """Watcher of the dressing that writes a frame of each of its STAGES."""
     series, seen = Series(out, "dressing"), set()
 
-    def look(stage, stepper):
+    def look(stage: str, stepper: Newmark) -> None:
         if watch:
-            watch(stage, activity)
+            watch(stage, model)
         halfway = stage != "pull" or abs(stepper.owned[:, 2]).max(initial=0.0) < 0.5
-        if stage in STAGES and stage not in seen and activity.comm.allreduce(int(not halfway)) == 0:
+        if stage in STAGES and stage not in seen and model.comm.allreduce(int(not halfway)) == 0:
             seen.add(stage)
-            series.write(activity.shell, stepper.time)
+            series.write(model.shell, stepper.time)
 
     return look
-
-
-class Extremes:
-    """Hook: deepest start of a step inside the body, most pinched nodes, how deep they were.
-
-    Parameters
-    ----------
-    touch : Touch; stepper : Newmark; resumed : state of a checkpoint or None
-    """
-
-    def __init__(self, touch, stepper, resumed=None):
-        self.correction, self._comm = touch.correction, stepper.shell.comm
-        self.values = np.zeros(3) if resumed is None else resumed["extremes"].copy()
-        stepper.hooks.append(self)
-
-    def __call__(self, stepper, dt):
-        now = self.correction
-        self.values[0] = max(self.values[0], now.max_depth)
-        self.values[1] = max(self.values[1], now.pinched)
-        self.values[2] = max(self.values[2], now.pinch_depth)
-
-    def state(self):
-        """Values on this rank, for `restore` (a copy)."""
-        return self.values.copy()
-
-    def restore(self, state):
-        """Continue from `state()`."""
-        self.values[:] = state
-
-    def saved(self):
-        """Largest values over all ranks, for `resumed`."""
-        return {"extremes": np.max(self._comm.allgather(self.values), axis=0)}

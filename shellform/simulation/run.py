@@ -2,33 +2,62 @@
 """A dressed wearer performs the recorded motion: Sec. 4.2 of the paper, Figs. 7, 8 and 10.
 
 `run` dresses the wearer, plays the motion, and leaves torque.csv, ledger.csv, a series of frames,
-summary.json and a checkpoint; `resume` goes on from the checkpoint of a run that was stopped.
+summary.json and a checkpoint; `resume` goes on from the checkpoint of a run that was stopped. Both
+are three steps: `_set_up`, `_play`, which keeps checkpoints, and `_write_results`.
 """
 
 import json
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+
+from mpi4py import MPI
 
 import numpy as np
 
-from shellform.accuracy.prediction import entry, foretold, tricks
 from shellform.console import progress
-from shellform.dressing.belt import Belt
-from shellform.dressing.saved_state import save, wear
+from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.errors import Stopped, Unstable
-from shellform.results.joint_torque import Torque
-from shellform.results.ledger import Ledger
 from shellform.results.report import Report
 from shellform.results.series import Series
+from shellform.scene.scene import Scene
 from shellform.scene.scene_file import read_scene, write_scene
 
 from .interrupt import Interrupt
-from .model import Activity
-from .recorders import Extremes, dressing_watcher, write_frame
+from .model import Model
+from .prediction import accuracy_entry, prediction_lines, tricks
+from .recorders import Recorders, dressing_watcher, write_frame
 from .summary import describe, settings, summary
 
 
-def run(scene, out, comm, dressed=None, watch=None):
+@dataclass
+class Walk:
+    """A dressed wearer under way.
+
+    out : folder of the files; report, series, recorders : what is written there
+    fit : report of the dressing; windows : ends [s] of those between records
+    done : how many of them are over; watch : function of (stage, model) or None
+    """
+
+    model: Model
+    out: Path
+    report: Report
+    series: Series
+    recorders: Recorders
+    fit: dict
+    windows: np.ndarray
+    done: int = 0
+    watch: Callable | None = None
+
+
+def run(
+    scene: Scene,
+    out: str | Path,
+    comm: MPI.Comm = MPI.COMM_WORLD,
+    dressed: str | Path | None = None,
+    watch: Callable | None = None,
+) -> dict:
     """Dress, play the motion, leave files in the folder `out`; returns the results.
 
     Parameters
@@ -36,117 +65,147 @@ def run(scene, out, comm, dressed=None, watch=None):
     scene : Scene; out : path; comm : MPI communicator
     dressed : file of a dressed state (`OUT/dressed.npz` of a run of the same garment and wearer),
         which is then not made anew
-    watch : function of (stage, activity), called at every frame while dressing and walking
+    watch : function of (stage, model), called at every frame while dressing and walking
 
     Raises
     ------
-    command.Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
+    Stopped after Ctrl-C, with a checkpoint in `out`; ValueError, Unstable as the parts do
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> scene = sf.Scene(fabric="compliant", belt=20.0)
+    >>> results = sf.run(scene, "out/walk")  # doctest: +SKIP
+    >>> results["joints"]["right_knee"]["peak_torque"]  # doctest: +SKIP
     """
     out = Path(out)
-    report = Report(out, "walk", settings(scene), comm)
-    with report.stage("setup"):
-        activity = Activity(scene, comm)
-        describe(report, activity)
+    report, model = _set_up(scene, out, comm)
     # only now, as a scene that does not stand must not cost the files of another run
     if comm.rank == 0:
         (out / "checkpoint.npz").unlink(missing_ok=True)
         write_scene(scene, out / "scene.toml")
-        print("\n".join(foretold(activity)), flush=True)
+        print("\n".join(prediction_lines(model)), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
-            fit = activity.dress(dressing_watcher(activity, out, watch))
+            fit = model.dress(dressing_watcher(model, out, watch))
         else:
-            fit = wear(activity, dressed)
-        save(out / "dressed.npz", activity)
+            fit = model.put_on(dressed)
+        save(out / "dressed.npz", model.stepper, model.wearer)
     if comm.rank == 0 and not fit["settled"]:
         print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
-    return _play(activity, report, series, out, watch, fit=fit)
+    model.contact.reset()
+    write_frame(model, series, np.zeros(3))
+    recorders = Recorders(model, out)
+    walk = Walk(model, out, report, series, recorders, fit, _windows(model), watch=watch)
+    return _finish(walk)
 
 
-def resume(out, comm, watch=None):
-    """Go on with a run from the checkpoint in its folder; returns the results."""
+def resume(out: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, watch: Callable | None = None) -> dict:
+    """Go on with a run from the checkpoint in its folder; returns the results.
+
+    Raises
+    ------
+    ValueError where there is no checkpoint; as `run` does
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> sf.resume("out/nothing")
+    Traceback (most recent call last):
+    ValueError: out/nothing holds no checkpoint.npz: nothing has been computed, use `run`
+    """
     out = Path(out)
     state = out / "checkpoint.npz"
     if not state.is_file():
         raise ValueError(f"{out} holds no checkpoint.npz: nothing has been computed, use `run`")
-    scene = read_scene(out / "scene.toml")
-    report = Report(out, "walk", settings(scene), comm)
-    with report.stage("setup"):
-        activity = Activity(scene, comm)
-        describe(report, activity)
+    report, model = _set_up(read_scene(out / "scene.toml"), out, comm)
     with np.load(state) as file:
         series = Series(out, until=float(file["clock"][0]))
-    return _play(activity, report, series, out, watch, state=state)
+    model.lay_belt()
+    resumed = checkpoint.load(state, model.stepper)
+    recorders = Recorders(model, out, resumed)
+    fit, done = json.loads(str(resumed["fit"])), int(resumed["done"])
+    return _finish(Walk(model, out, report, series, recorders, fit, _windows(model), done, watch))
 
 
-def _play(activity, report, series, out, watch, fit=None, state=None):
-    """Step through the motion from the dressed state or from a checkpoint."""
-    scene, wearer, comm = activity.scene, activity.wearer, activity.comm
-    stepper, touch = activity.stepper, activity.touch
-    count = max(1, round((wearer.end - wearer.start) / scene.output.window))
-    times = np.linspace(wearer.start, wearer.end, count + 1)[1:]
-    done, resumed = 0, None
-    if state is None:
-        touch.correction.reset()
-        write_frame(activity, series, np.zeros(3))
-    else:
-        activity.belt = Belt(stepper, "waist", scene.belt)
-        resumed = checkpoint.load(state, stepper, touch)
-        fit, done = json.loads(str(resumed["fit"])), int(resumed["done"])
-    joints = Torque(touch, stepper, scene.output.parts, out / "torque.csv", resumed)
-    ledger = Ledger(out / "ledger.csv", stepper, touch, resumed)
-    extremes = Extremes(touch, stepper, resumed)
-    skin = None
-    if scene.output.pressure:
-        from shellform.results import skin_pressure as pressure
+def _set_up(scene: Scene, out: Path, comm: MPI.Comm) -> tuple[Report, Model]:
+    """The model of a scene, and the report that says what is in it."""
+    report = Report(out, "walk", settings(scene), comm)
+    with report.stage("setup"):
+        model = Model(scene, comm)
+        describe(report, model)
+    return report, model
 
-        skin = pressure.Pressure(touch, stepper, scene.output.pressure, resumed)
-    between = max(1, round(scene.output.checkpoint / scene.output.window))
-    picture = max(1, round(1 / (scene.output.frames * scene.output.window)))
 
-    def keep(done):
-        parts = [joints.saved(), ledger.saved(), extremes.saved(), skin.saved() if skin else {}]
-        more = {"fit": json.dumps(fit), "done": done}
-        for part in parts:
-            more |= part
-        checkpoint.save(out / "checkpoint.npz", stepper, touch, more)
+def _windows(model: Model) -> np.ndarray:
+    """Times [s] at which rows are recorded."""
+    start, end = model.wearer.start, model.wearer.end
+    count = max(1, round((end - start) / model.scene.output.window))
+    return np.linspace(start, end, count + 1)[1:]
 
-    with Interrupt(comm) as interrupt:
-        bar = progress(times[done:], count - done, "walk")
-        for k, time in enumerate(bar, start=done + 1):
+
+def _finish(walk: Walk) -> dict:
+    _play(walk)
+    return _write_results(walk)
+
+
+def _play(walk: Walk) -> None:
+    """Step through the windows that are left, with records, frames and checkpoints."""
+    model, output, report = walk.model, walk.model.scene.output, walk.report
+    between = max(1, round(output.checkpoint / output.window))
+    picture = max(1, round(1 / (output.frames * output.window)))
+    last = len(walk.windows)
+    with Interrupt(model.comm) as interrupt:
+        for time in progress(walk.windows[walk.done :], last - walk.done, "walk"):
             with report.stage("solve"):
                 try:
-                    stepper.advance(time)
+                    model.stepper.advance(time)
                 except Unstable:
-                    keep(k - 1)  # the last good state, to which the steps have gone back
+                    _save_checkpoint(walk)  # the last good state, to which the steps have gone back
                     raise
+            walk.done += 1
             with report.stage("output"):
-                joints.record(time)
-                if skin:
-                    skin.record(time)
-                impulse = touch.correction.window.impulse / touch.correction.window.seconds
-                ledger.record()
-                if k % picture == 0 or k == count:
-                    write_frame(activity, series, impulse)
-                    if watch:
-                        watch("walk", activity)
+                force = walk.recorders.record(time)
+                if walk.done % picture == 0 or walk.done == last:
+                    write_frame(model, walk.series, force)
+                    if walk.watch:
+                        walk.watch("walk", model)
                 asked = interrupt.asked()
-                if asked or k % between == 0 or k == count:
-                    keep(k)
-            if asked and k < count:
+                if asked or walk.done % between == 0 or walk.done == last:
+                    _save_checkpoint(walk)
+            if asked and walk.done < last:
                 raise Stopped(
-                    f"stopped at t = {time:.3f} s of {wearer.end:.3f} s; go on with: "
-                    f"shellform resume {out}"
+                    f"stopped at t = {time:.3f} s of {model.wearer.end:.3f} s; go on with: "
+                    f"shellform resume {walk.out}"
                 )
-    report.shift(touch.seconds, "solve", "contact")
-    results = summary(activity, joints, ledger, extremes, fit)
-    if skin:
-        results["pressure"] = pressure.summary(skin.result())
-        if comm.rank == 0:
-            pressure.save(out / "pressure.npz", skin.result())
+
+
+def _save_checkpoint(walk: Walk) -> None:
+    """The state of the stepper and its parts, for `resume`; all ranks call."""
+    more = {"fit": json.dumps(walk.fit), "done": walk.done}
+    checkpoint.save(walk.out / "checkpoint.npz", walk.model.stepper, more)
+
+
+def _write_results(walk: Walk) -> dict:
+    """summary.json, and pressure.npz where it was asked for; returns the results."""
+    model, report, recorders = walk.model, walk.report, walk.recorders
+    report.shift(model.contact.seconds, "solve", "contact")
+    results = summary(model, recorders, walk.fit)
+    if recorders.skin:
+        # only here, as in Recorders
+        from shellform.results import skin_pressure
+
+        pressures = recorders.skin.result()
+        results["pressure"] = skin_pressure.summary(pressures)
+        if model.comm.rank == 0:
+            skin_pressure.save(walk.out / "pressure.npz", pressures)
     report.write(
-        results, steps=stepper.steps, newton_iterations=0, time_step=stepper.dt,
-        accuracy=entry(activity), tricks=tricks(scene),
-    )  # fmt: skip
+        results,
+        steps=model.stepper.steps,
+        newton_iterations=0,
+        time_step=model.stepper.dt,
+        accuracy=accuracy_entry(model),
+        tricks=tricks(model.scene),
+    )
     return results

@@ -1,25 +1,29 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The account of a dressed walk: results, lines for a person, pictures, from a run or its files."""
+"""Results of a dressed walk, for summary.json and as lines for a person."""
 
 import json
 from itertools import pairwise
 from pathlib import Path
 
+from shellform.material.card import fabric_of
 from shellform.motion.recording import SIDES
 from shellform.results.joint_torque import resistance
-from shellform.scene import wearer as build
+from shellform.results.report import Report
 from shellform.scene.parts import PARTS
+from shellform.scene.scene import Scene
 
+from .model import Model
 from .plan import plan_of
+from .recorders import Recorders
 
 
-def summary(activity, joints, ledger, extremes, fit):
-    """Results of a run for summary.json."""
-    scene, wearer = activity.scene, activity.wearer
-    facts, weight = wearer.recording.facts, activity.weight
+def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
+    """Results of a run for summary.json; fit : report of the dressing."""
+    scene, wearer, joints = model.scene, model.wearer, recorders.joints
+    facts, weight = wearer.recording.facts, model.weight
     strides = stride_times(facts, wearer.end)
-    residual = max(row["momentum_residual"] for row in ledger.rows)
-    depth, pinched, pinch_depth = extremes.saved()["extremes"]
+    residual = max(row["momentum_residual"] for row in recorders.ledger.rows)
+    depth, pinched, pinch_depth = recorders.extremes.saved()["extremes"]
     return {
         "joints": {j: resistance(joints.rows, j, strides) for j in joints.joints},
         "parts": joints.parts,
@@ -38,7 +42,7 @@ def summary(activity, joints, ledger, extremes, fit):
     }
 
 
-def stride_times(facts, end):
+def stride_times(facts: dict, end: float) -> list[tuple[float, float]]:
     """(start, end) times [s] of the strides, from the heel strikes of one foot; [] without them."""
     for side in SIDES:
         strikes = sorted(t for name, t in facts.get("events", ()) if name == f"{side}_heel_strike")
@@ -48,7 +52,7 @@ def stride_times(facts, end):
     return []
 
 
-def told(results):
+def summary_lines(results: dict) -> list[str]:
     """Lines for a person: how it went and what the garment does to every joint."""
     fit = results["dressing"]
     lines = [
@@ -74,21 +78,20 @@ def told(results):
     return lines
 
 
-def summary_of(out):
+def summary_of(out: str | Path) -> dict:
     """Contents of summary.json in a folder."""
     return json.loads((Path(out) / "summary.json").read_text())
 
 
-def settings(scene):
+def settings(scene: Scene) -> dict:
     """A scene as plain values for summary.json."""
-    settings = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
-    settings |= {name: dict(vars(getattr(scene, name))) for name in PARTS}
-    fabric = build.fabric(scene)
-    return settings | {"fabric": {"name": fabric.name, "summary": fabric.summary()}}
+    values = {name: getattr(scene, name) for name in ("title", "belt", "gravity")}
+    values |= {name: dict(vars(getattr(scene, name))) for name in PARTS}
+    cloth = fabric_of(scene.fabric)
+    return values | {"fabric": {"name": cloth.name, "summary": cloth.summary()}}
 
 
-def describe(report, activity):
+def describe(report: Report, model: Model) -> None:
     """Enter what is modelled into a report."""
-    made = activity.whole, activity.surface, activity.wearer.names
-    plan = plan_of(activity.scene, *made)
-    report.describe(activity.shell, **plan, time_step=activity.stepper.dt)
+    plan = plan_of(model.scene, model.whole, model.surface, model.wearer.names)
+    report.describe(model.shell, **plan, time_step=model.stepper.dt)

@@ -12,7 +12,7 @@ the directors, so the residual does not jump when the base does. The matrix P of
 
 import functools
 import time
-import weakref
+from typing import Any
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -62,10 +62,11 @@ class Equilibrium:
     def __init__(self, shell: Shell, mip: bool = True):
         self.shell, self.mip, self.level = shell, mip, 0.0
         self.assembly_seconds = 0.0
-        self.load_factor, self.inertia = None, None
+        self.load_factor: float | None = None
+        self.inertia: tuple[np.ndarray, np.ndarray] | None = None
         partition, supports = shell.partition, shell.supports
-        supports.frozen = True
-        shell.owner = weakref.ref(self)
+        supports.freeze()
+        shell.claim(self)
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
         self.length = partition.length
@@ -74,8 +75,9 @@ class Equilibrium:
         self.r6 = petsc_vector(shell.space, 6)
         self._lift6, self._product6 = self.r6.duplicate(), self.r6.duplicate()
         self.held = supports.held
-        self.Q = supports.Q if supports.inclined.any() else None
-        self._Q_owned = None if self.Q is None else self.Q[: self.n_owned]
+        # axes of the nodes (n, 3, 3), None: those of the world
+        self.Q: Any = supports.Q if supports.inclined.any() else None
+        self._Q_owned: Any = None if self.Q is None else self.Q[: self.n_owned]
         self.T = director.tangent_frames(self._w()[:, 3:], supports.plane)
         self.K6 = shell.create_tangent()
         self.P = TangentMap(shell, self.length)
@@ -108,7 +110,7 @@ class Equilibrium:
 
     def stale(self) -> bool:
         """True once another equilibrium of the same shell has been made."""
-        return self.shell.owner() is not self
+        return not self.shell.is_claimed_by(self)
 
     def largest_change(self, state: State) -> float:
         """Largest displacement [m] of a node since a `state()`."""

@@ -18,14 +18,15 @@ class TangentMap:
     ----------
     shell : Shell, with its supports
     length : float [m], by which rotations are scaled
+    turning : bool, True: axes of nodes may change, see `turn`; rows of displacements hold three
     """
 
-    def __init__(self, shell: Shell, length: float):
+    def __init__(self, shell: Shell, length: float, turning: bool = False):
         n, supports = shell.partition.n_owned, shell.supports
         first = shell.space.dofmap.index_map.local_range[0]
         self._free = ~supports.held[:n]
         self._length = length
-        inclined, Q = supports.inclined[:n], supports.Q[:n]
+        inclined, Q = supports.inclined[:n] | turning, supports.Q[:n]
         width = np.where(inclined, 3, 1)
         counts = np.column_stack([width, width, width, *np.full((3, n), 2)]).ravel()
         self._indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
@@ -47,6 +48,13 @@ class TangentMap:
             csr=(self._indptr, self._columns, self._values),
             comm=shell.comm,
         )
+
+    def turn(self, Q: np.ndarray, free: np.ndarray) -> None:
+        """Take axes Q (n_owned, 3, 3) and the unknowns that are free (n_owned, 5)."""
+        self._free = free
+        for i in range(3):
+            for j in range(3):
+                self._values[self._start[:, i] + j] = Q[:, j, i] * free[:, j]
 
     def at(self, T: np.ndarray) -> PETSc.Mat:
         """The matrix with director frames T (at least n_owned, 3, 2)."""

@@ -12,7 +12,7 @@ from contact.body.segments import Body, Fixed, Segment
 from contact.solver.cell_samples import midpoints
 from demos import strip_over_cylinder as demo
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
 
@@ -38,7 +38,7 @@ def sheet(samples, cells=8, shuffle=False, comm=MPI.COMM_WORLD, acceleration=(1.
     shell.supports.hold(np.array([cells]))
     stepper = Newmark(shell, 0.8, drag=1.0)
     stepper.recheck, stepper.dt = 10**9, 2e-4
-    return stepper, Touch(stepper, limb(), 0.3, samples=samples)
+    return stepper, stepper.add(Contact(limb(), 0.3, samples=samples))
 
 
 def test_forces_of_the_elastica_carry_its_weight():
@@ -115,8 +115,8 @@ def test_no_order_among_cells_or_ranks(samples):
     """Cells in another order, and one rank beside all: the same to roundoff, with friction."""
     runs = []
     for shuffle, comm in ((False, MPI.COMM_WORLD), (True, MPI.COMM_WORLD), (False, MPI.COMM_SELF)):
-        stepper, touch = sheet(samples, shuffle=shuffle, comm=comm)
-        ledger = Ledger(None, stepper, touch)
+        stepper, _ = sheet(samples, shuffle=shuffle, comm=comm)
+        ledger = stepper.add(Ledger())
         stepper.advance(300 * 2e-4)
         row = ledger.record()
         assert row["momentum_residual"] < 1e-13
@@ -135,7 +135,7 @@ def test_cell_rests_on_a_body_between_its_nodes():
         shell.loads.gravity((0, 0, -G))
         stepper = Newmark(shell, 0.5)
         body = limb((0.02, 0.02, 0.02), (0.0, 0.0, -0.02))
-        touch = Touch(stepper, body, 0.3, samples=samples)
+        touch = stepper.add(Contact(body, 0.3, samples=samples))
         stepper.advance(0.2)
         touch.correction.reset()
         stepper.advance(0.3)
@@ -156,4 +156,4 @@ def test_weights_and_what_is_refused():
     surface = meshes.rectangle(0.1, 0.1, (2, 2), triangles=True)
     stepper = Newmark(Shell(surface, Fabric.isotropic(**CLOTH)), 0.5)
     with pytest.raises(ValueError, match="need cells of four nodes"):
-        Touch(stepper, limb(), samples=1)
+        stepper.add(Contact(limb(), samples=1))

@@ -7,7 +7,7 @@ import pytest
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.director import rotation_matrix
 from shellform.fem.lumped_mass import nodal_areas
@@ -32,7 +32,7 @@ def over_sphere(cells=10, turn=None, friction=0.3, height=2e-3, **damping):
     shell.loads.gravity(turn @ [0.0, 0.0, -G])
     body = Body([Segment("limb", (0.2, 0.3, 0.25), Fixed(turn @ [0, 0, -0.25], turn.T))])
     stepper = Newmark(shell, 0.8, **damping)
-    return stepper, Touch(stepper, body, friction)
+    return stepper, stepper.add(Contact(body, friction))
 
 
 def test_momentum_closes_in_every_step():
@@ -55,8 +55,8 @@ def test_momentum_closes_in_every_step():
 
 def test_free_sheet_rests_with_its_weight_on_the_body():
     """Mean contact force at rest is the weight, to 0.1 % up and aside."""
-    stepper, touch = over_sphere(drag=8.0, damping=1e-3)
-    ledger = Ledger(None, stepper, touch)
+    stepper, _ = over_sphere(drag=8.0, damping=1e-3)
+    ledger = stepper.add(Ledger())
     stepper.advance(2.0)
     ledger.record()
     stepper.drag = 0.0  # what rests must stay so by itself
@@ -96,8 +96,8 @@ def test_impact_of_a_patch(speed):
     stepper = Newmark(shell, 0.2)
     stepper.v[:, 2] = -speed
     # a large sphere: a patch thrown at it at this speed would cross it many times over
-    touch = Touch(stepper, sphere(0.3, (0.0, 0.0, -0.3)), friction=0.3)
-    ledger = Ledger(None, stepper, touch)
+    stepper.add(Contact(sphere(0.3, (0.0, 0.0, -0.3)), friction=0.3))
+    ledger = stepper.add(Ledger())
     first = ledger.record()
     last = start = first["kinetic"] + first["strain"]
     steps = min(5000, int(0.05 / speed / stepper.dt) + 500)
@@ -125,7 +125,7 @@ def test_patch_on_an_incline(slope):
     angle = np.arctan(slope)
     shell.loads.gravity(G * np.array([np.sin(angle), 0.0, -np.cos(angle)]))
     stepper = Newmark(shell, 0.9)
-    touch = Touch(stepper, sphere(radius, (0.0, 0.0, -radius)), friction=mu)
+    touch = stepper.add(Contact(sphere(radius, (0.0, 0.0, -radius)), friction=mu))
     seconds = 10.0 if slope < mu else 1.0
     stepper.advance(seconds)
     travel = shell.displacements()[:, 0]
@@ -174,9 +174,9 @@ def belt_ratio(cells, mu=0.3, radius=0.1, width=0.02):
     shell.supports.move("right", lambda t: np.array([0.0, 0.0, -speed * t]))
     stepper = Newmark(shell, 0.9, damping=2e-4, drag=2.0)
     body = Body([Segment("cylinder", (radius, 100.0, radius), Fixed())])
-    Touch(stepper, body, friction=mu)
+    stepper.add(Contact(body, friction=mu))
     # held nodes are left alone by contact: let the sides slide in their planes by the load only
-    stepper.hooks[0].correction.fixed[:] = False
+    stepper.contact.correction.fixed[:] = False
     stepper.advance(0.25)
     comm = shell.comm
     before = comm.allreduce(stepper.support_total).copy()
@@ -206,7 +206,7 @@ def stretched_onto(surface, body, stretch, clamped=()):
     for edge in clamped:
         shell.supports.clamp(edge)
     stepper = Newmark(shell, 0.9, damping=2e-4, drag=60.0)
-    touch = Touch(stepper, body, friction=0.0)
+    touch = stepper.add(Contact(body, friction=0.0))
     stepper.advance(0.08)
     touch.correction.reset()
     stepper.advance(0.12)

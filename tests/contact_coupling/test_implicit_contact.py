@@ -7,7 +7,7 @@ import pytest
 import meshes
 from contact.body.segments import Body, Fixed, Segment, Steady
 from shellform import Fabric, Shell
-from shellform.contact_coupling.implicit_contact import ImplicitTouch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.dynamics.implicit_midpoint import ImplicitMidpoint
 from shellform.results.ledger import Ledger
@@ -24,7 +24,7 @@ def patch(size, cells, motion, dt, radius=0.25, friction=0.3, gravity=(0.0, 0.0,
     shell.loads.gravity(gravity)
     stepper = ImplicitNewmark(shell, dt, **options)
     body = Body([Segment("limb", [radius] * 3, motion)])
-    return stepper, ImplicitTouch(stepper, body, friction)
+    return stepper, stepper.add(Contact(body, friction))
 
 
 def below(radius=0.25):
@@ -34,8 +34,8 @@ def below(radius=0.25):
 @pytest.mark.slow
 def test_free_sheet_rests_with_its_weight_on_the_body():
     """Mean contact force at rest is the weight, to 0.1 % up and aside; momentum closes."""
-    stepper, touch = patch(0.4, 4, below(), 0.01, alpha=-0.3, drag=8.0)
-    ledger = Ledger(None, stepper, touch)
+    stepper, _ = patch(0.4, 4, below(), 0.01, alpha=-0.3, drag=8.0)
+    ledger = stepper.add(Ledger())
     weight = stepper.shell.comm.allreduce(stepper.mass.sum()) * G
     stepper.advance(1.5)
     row = ledger.record()
@@ -115,8 +115,8 @@ def test_impact_of_a_patch(speed):
     # one step at 20 m/s crosses the sphere
     stepper = ImplicitNewmark(shell, 5e-3, alpha=-0.3)
     stepper.v[:, 2] = -speed
-    touch = ImplicitTouch(stepper, Body([Segment("limb", [0.04] * 3, Fixed((0, 0, -0.04)))]))
-    ledger = Ledger(None, stepper, touch)
+    stepper.add(Contact(Body([Segment("limb", [0.04] * 3, Fixed((0, 0, -0.04)))])))
+    ledger = stepper.add(Ledger())
     start = ledger.record()["kinetic"]
     for _ in range(6):
         stepper.advance(stepper.time + 0.01 / speed)
@@ -132,10 +132,10 @@ def test_wrong_settings_are_refused():
     body = Body([Segment("limb", [0.1] * 3, Fixed())])
     shell = Shell(meshes.rectangle(1.0, 1.0, (2, 2)), Fabric.isotropic(**CLOTH))
     with pytest.raises(ValueError, match="midpoint steps know no contact"):
-        ImplicitTouch(ImplicitMidpoint(shell, 1e-3), body)
+        ImplicitMidpoint(shell, 1e-3).add(Contact(body))
     stepper = ImplicitNewmark(shell, 1e-3)
     with pytest.raises(ValueError, match="recovery speed is positive"):
-        ImplicitTouch(stepper, body, recovery=0.0)
-    ImplicitTouch(stepper, body)
+        stepper.add(Contact(body, recovery=0.0))
+    stepper.add(Contact(body))
     with pytest.raises(ValueError, match="has a body already"):
-        ImplicitTouch(stepper, body)
+        stepper.add(Contact(body))

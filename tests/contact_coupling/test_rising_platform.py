@@ -7,7 +7,7 @@ import pytest
 import meshes
 from contact.body.segments import Body, Segment
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
 
@@ -33,8 +33,8 @@ def test_reaction_is_mass_times_acceleration(arm):
     shell.loads.gravity((0.0, 0.0, -G))
     stepper = Newmark(shell, 0.8, damping=2e-4)
     stepper.v[:] = np.cross([0.0, 0.0, SPIN], stepper.points)
-    touch = Touch(stepper, Body([Segment("platform", RADII, platform)]), friction=5.0)
-    ledger = Ledger(None, stepper, touch)
+    touch = stepper.add(Contact(Body([Segment("platform", RADII, platform)]), friction=5.0))
+    ledger = stepper.add(Ledger())
     stepper.advance(0.2)
     ledger.record()
     start = stepper.time

@@ -198,5 +198,6 @@ def test_start_of_a_demo(tmp_path):
     done = run("-m", "demos.studies.performance.start_up", "--demo", "roll_up", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "summary.json").read_text())
-    assert 0 < found["results"]["roll_up"]["warm"] < found["seconds"]["total"] / 3
+    # the shorter of two starts, both of them in the total
+    assert 0 < found["results"]["roll_up"]["warm"] < found["seconds"]["total"] / 2
     assert len(done.stdout.splitlines()) == 3

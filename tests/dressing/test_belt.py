@@ -11,7 +11,7 @@ from contact.body.segments import Body, Fixed, Segment
 from contact.geometry.ellipsoid import closest_points
 from meshes.garments.ring import ring
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dressing.belt import Belt, Hands, Ring, add_tension
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
@@ -75,9 +75,9 @@ def test_belt_on_a_cylinder(cells):
     """At rest k nodes press with 2 k T sin(pi/k), 2 pi T of a circle; nothing is left over."""
     surface = tube(cells)
     stepper = stepper_of(surface)
-    belt = Belt(stepper, "waist", TENSION)
-    touch = Touch(stepper, limb(), friction=0.0)
-    ledger = Ledger(None, stepper, touch)
+    belt = stepper.add(Belt("waist", TENSION))
+    touch = stepper.add(Contact(limb(), friction=0.0))
+    ledger = stepper.add(Ledger())
     stepper.advance(0.02)
     row = ledger.record()
     window = touch.correction.window
@@ -117,8 +117,8 @@ def test_belt_on_an_ellipse():
         names=(None, None, "bottom", "waist"),
     )
     stepper = stepper_of(surface, drag=200.0)
-    Belt(stepper, "waist", TENSION)
-    touch = Touch(stepper, limb(radii), friction=0.0)
+    stepper.add(Belt("waist", TENSION))
+    touch = stepper.add(Contact(limb(radii), friction=0.0))
     stepper.advance(0.1)
     stepper.drag = 0.0  # still air takes drag dt/2 of every push, also of what rests
     touch.correction.reset()
@@ -153,8 +153,8 @@ def test_work_of_a_belt_is_tension_times_what_it_takes_in():
     for cut in (1.0, 0.5):
         stepper = stepper_of(surface)
         stepper.recheck, stepper.dt = 10**9, cut * stepper.dt
-        belt = Belt(stepper, "waist", 1.0)
-        ledger = Ledger(None, stepper)
+        belt = stepper.add(Belt("waist", 1.0))
+        ledger = stepper.add(Ledger())
         start, worst, left = perimeter(belt, stepper), 0.0, 0.0
         for time in (0.002, 0.004, 0.006):
             stepper.advance(time)
@@ -176,7 +176,7 @@ def test_belt_on_many_ranks():
     places = []
     for comm in (MPI.COMM_SELF, MPI.COMM_WORLD):
         stepper = stepper_of(tube(), comm)
-        belt = Belt(stepper, "waist", TENSION)
+        belt = stepper.add(Belt("waist", TENSION))
         stepper.recheck, stepper.dt = 10**9, 2e-5
         stepper.advance(100 * 2e-5)
         places.append((belt.ring.look(stepper).copy(), stepper.shell.positions(), belt.ring.nodes))
@@ -202,7 +202,7 @@ def test_ring_runs_around_once():
         with pytest.raises(ValueError, match=f"edge '{edge}' of cylinder is not one closed line"):
             Ring(stepper, edge)
     with pytest.raises(ValueError, match="has no edge 'belt'; it has "):
-        Belt(stepper, "belt")
+        stepper.add(Belt("belt"))
 
 
 def lift(height, seconds):
@@ -223,10 +223,10 @@ def test_hands_lift_and_let_go():
     stepper = stepper_of(surface, gravity=G)
     # a slim ellipsoid: at its middle it is wider than the tube
     body = Body([Segment("leg", (0.108, 0.108, 0.4), Fixed((0.0, 0.0, 0.2)))])
-    touch = Touch(stepper, body, friction=0.3)
-    ledger = Ledger(None, stepper, touch)
+    touch = stepper.add(Contact(body, friction=0.3))
+    ledger = stepper.add(Ledger())
     places, stiffness, damping = lift(0.1, 0.1), 50.0, 0.05
-    hands = Hands(stepper, "waist", places, stiffness, damping)
+    hands = stepper.add(Hands("waist", places, stiffness, damping))
     comm, given = stepper.shell.comm, np.zeros((2, 3))
 
     def follow(stepper, dt):
@@ -241,7 +241,7 @@ def test_hands_lift_and_let_go():
         last[0] = dt
 
     last = [0.0]
-    stepper.hooks.append(follow)
+    stepper.add(follow)
     weight = G * comm.allreduce(stepper.mass.sum())
     for time in (0.03, 0.06, 0.1, 0.15, 0.2):
         if time > 0.15:
@@ -262,7 +262,7 @@ def test_hands_hold_the_weight():
     """A tube hung from the hands, brought to rest: they sag by m g/(n k hold) and carry m g."""
     surface = tube()
     stepper = stepper_of(surface, gravity=G, damping=1e-4)
-    hands = Hands(stepper, "waist", lift(0.1, 0.1), stiffness=40.0, damping=0.08)
+    hands = stepper.add(Hands("waist", lift(0.1, 0.1), stiffness=40.0, damping=0.08))
     hands.hold = 0.5
     stepper.advance(0.1)
     stepper.drag = 30.0
@@ -283,5 +283,5 @@ def test_hands_hold_the_weight():
     stepper.advance(0.8)
     fallen = comm.allreduce(height - stepper.mass @ stepper.owned[:, 2]) * G / weight
     # velocities of half steps: they began to grow half a step earlier
-    seconds = 0.1 + 0.5 * stepper.last_dt
+    seconds = 0.1 + 0.5 * stepper.clock.last_dt
     assert fallen == pytest.approx(0.5 * G * seconds**2, rel=1e-5)

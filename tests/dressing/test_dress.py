@@ -15,17 +15,20 @@ import pytest
 
 import meshes
 from shellform.dressing import belt
-from shellform.dressing.dress import Dressing, drop_below, elongation
-from shellform.dressing.saved_state import save, wear
+from shellform.dressing.dress import drop_below
+from shellform.dressing.fit import elongation
+from shellform.dressing.procedure import Dressing
+from shellform.dressing.saved_state import put_on, save
+from shellform.material.card import fabric_of
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
 from shellform.results.ledger import Ledger
-from shellform.scene import wearer as build
 from shellform.scene.garment import garment_of
 from shellform.scene.parts import Garment, Motion
 from shellform.scene.scene import Scene
-from shellform.simulation.model import Activity
+from shellform.scene.wearer import wearer_of
+from shellform.simulation.model import Model
 from tests.scene.test_wearer_and_garment import turned
 
 COMM = MPI.COMM_WORLD
@@ -45,18 +48,18 @@ class Dressed(NamedTuple):
     rows: list  # of the ledger, while dressing
     weight: float
     allowed: np.ndarray  # ellipsoids that each node may meet, in the end
-    pulls: int
+    applied_forces: int
 
 
-def held_at_the_waist(activity):
+def held_at_the_waist(model):
     """Tension [N] of a cable that the outward forces of body and cloth on the waist's nodes hold.
 
     A cable presses with its tension times the angle by which it turns.
     """
-    stepper, window = activity.stepper, activity.touch.correction.window
+    stepper, window = model.stepper, model.contact.correction.window
     force = window.impulse / window.seconds - stepper.internal_force()[:, :3]
-    x = activity.shell.positions()
-    edge = activity.surface.edges["waist"]
+    x = model.shell.positions()
+    edge = model.surface.edges["waist"]
     ring = [edge[0, 0]]
     after = dict(edge[:, :2].tolist())
     while after[ring[-1]] != ring[0]:
@@ -64,7 +67,7 @@ def held_at_the_waist(activity):
     along = np.roll(x[ring], -1, axis=0) - x[ring]
     along /= np.linalg.norm(along, axis=1)[:, None]
     turn = np.roll(along, 1, axis=0) - along  # outward, as long as the angle
-    whole = activity.shell.partition.gather(force)[ring]
+    whole = model.shell.partition.gather(force)[ring]
     size = np.linalg.norm(turn, axis=1)
     return float(np.sum(whole * turn / size[:, None]) / size.sum())
 
@@ -75,38 +78,38 @@ def dressed(fabric):
     folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
     if COMM.rank == 0:
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    activity = Activity(Scene(fabric=fabric, motion=SHORT), COMM)
-    wearer, correction = activity.wearer, activity.touch.correction
+    model = Model(Scene(fabric=fabric, motion=SHORT), COMM)
+    wearer, correction = model.wearer, model.contact.correction
     feet = wearer.mask([f"{side}_foot" for side in SIDES])
-    ledger = Ledger(None, activity.stepper, activity.touch)
+    ledger = model.stepper.add(Ledger())
     stages, looks, pressed = {}, [], []
 
     def watch(stage, stepper):
-        x = activity.shell.positions()
+        x = model.shell.positions()
         free = COMM.allreduce(int(np.count_nonzero(correction.allowed & feet)))
         stages.setdefault(stage, []).append((stepper.time, x[:, 2].max(), free))
         if stage == "settled":  # the last look at the belt began a window of its own
-            pressed.append(held_at_the_waist(activity))
+            pressed.append(held_at_the_waist(model))
             return
         ledger.record()
         looks.append((stepper.time, x))
 
-    report = activity.dress(watch)
+    report = model.dress(watch)
     path = folder / "dressed.npz"
-    save(path, activity)
+    save(path, model.stepper, model.wearer)
     COMM.Barrier()
     return Dressed(
         path,
         report,
-        activity.shell.positions(),
-        activity.shell.directors(),
+        model.shell.positions(),
+        model.shell.directors(),
         {stage: np.array(rows) for stage, rows in stages.items()},
         tuple(looks[-2:]),
         pressed[0],
         ledger.rows,
-        activity.weight,
-        activity.shell.partition.gather(correction.allowed[:, None].astype(float))[:, 0],
-        len(activity.stepper.pulls),
+        model.weight,
+        model.shell.partition.gather(correction.allowed[:, None].astype(float))[:, 0],
+        len(model.stepper.external.applied),
     )
 
 
@@ -114,7 +117,7 @@ def dressed(fabric):
 def standing():
     """Wearer and garment before; no finite elements."""
     scene = Scene(motion=SHORT)
-    wearer = build.wearer_of(scene)
+    wearer = wearer_of(scene)
     return wearer, garment_of(scene, wearer)
 
 
@@ -125,7 +128,7 @@ fabrics = pytest.mark.parametrize(
 
 @fabrics
 def test_outside_the_body(fabric):
-    """No node deeper than 0.1 mm below a surface, the feet's included, but those told as pinched.
+    """No node deeper than 0.1 mm below a surface, the feet's included, but for pinched ones.
 
     Less 0.1 mm in every semi-axis an ellipsoid holds all its points that are 0.1 mm deep: its
     support function |R n| - |d n| <= |(R - d) n|.
@@ -134,7 +137,7 @@ def test_outside_the_body(fabric):
     wearer, _ = standing()
     pose = wearer.new_pose(wearer.start)
     assert state.report["depth"] <= 1e-4
-    offset = 0.5 * build.fabric(Scene(fabric=fabric)).thickness
+    offset = 0.5 * fabric_of(fabric).thickness
     met, deep = 0, np.zeros(len(state.positions), bool)
     for k, name in enumerate(wearer.names):
         may = np.round(state.allowed).astype(int) & wearer.mask([name]) != 0
@@ -212,7 +215,7 @@ def test_settled(fabric):
     state = dressed(fabric)
     assert state.report["settled"] and state.report["speed"] <= 0.01
     assert 1.7 < state.report["seconds"] < 4.7
-    assert state.pulls == 1
+    assert state.applied_forces == 1
     (start, before), (end, after) = state.last
     moved = np.sqrt(np.mean(np.sum((after - before) ** 2, axis=1)))
     assert 0.01 < end - start < 0.1 and moved < 0.01 * (end - start)
@@ -251,23 +254,24 @@ def test_books_of_dressing(fabric):
     assert lifted == pytest.approx(state.weight, rel=0.1)
 
 
-def test_worn_again_in_another_motion(monkeypatch):
+def test_put_on_again_in_another_motion(monkeypatch):
     """Another walk that starts elsewhere, in another direction: the same drape about the body."""
     state = dressed("compliant")
     monkeypatch.setattr(
-        build, "synthetic_walk", lambda **kinds: turned(synthetic_walk(**kinds), -2.0, (1.0, 2.0))
+        "shellform.scene.wearer.synthetic_walk",
+        lambda **kinds: turned(synthetic_walk(**kinds), -2.0, (1.0, 2.0)),
     )
-    activity = Activity(Scene(motion=Motion(end=0.5, obstacle=0.0)), COMM)
-    report = wear(activity, state.path)
+    model = Model(Scene(motion=Motion(end=0.5, obstacle=0.0)), COMM)
+    report = model.put_on(state.path)
     assert report["settled"] and report["depth"] <= 1e-4 and report["seconds"] <= 1.0
     assert report["belt_tension"] == pytest.approx(state.report["belt_tension"], rel=0.02)
-    assert activity.stepper.time == activity.wearer.start
-    _, middle, heading = stance(activity.wearer)
+    assert model.stepper.time == model.wearer.start
+    _, middle, heading = stance(model.wearer)
     turn = np.array([[heading[0], -heading[1], 0], [heading[1], heading[0], 0], [0, 0, 1.0]])
     _, before, _ = stance(standing()[0])
-    now = (activity.shell.positions() - middle) @ turn + before
+    now = (model.shell.positions() - middle) @ turn + before
     away = np.linalg.norm(now - state.positions, axis=1)
-    print(f"worn again: mean {1e3 * away.mean():.3f} mm, largest {1e3 * away.max():.3f} mm off")
+    print(f"put on again: mean {1e3 * away.mean():.3f} mm, largest {1e3 * away.max():.3f} mm off")
     assert away.mean() < 1e-3 and away.max() < 1e-2
 
 
@@ -278,19 +282,53 @@ def test_no_belt_costs_nothing(monkeypatch):
         raise AssertionError("a belt was reckoned with")
 
     monkeypatch.setattr(belt, "add_tension", fails)
-    activity = Activity(Scene(motion=SHORT, belt=0.0), COMM)
-    report = wear(activity, dressed("compliant").path, Dressing(settle=0.12))
+    model = Model(Scene(motion=SHORT, belt=0.0), COMM)
+    belts, report = put_on(dressed("compliant").path, model.stepper, 0.0, Dressing(settle=0.12))
     assert report["belt_asked"] == 0.0 and report["belt_tension"] < 2.0
     with pytest.raises(AssertionError, match="a belt"):
-        activity.belt.tension = 1.0
-        activity.stepper.step(activity.stepper.dt)
+        belts.tension = 1.0
+        model.stepper.step(model.stepper.dt)
 
 
 def test_state_of_another_garment(tmp_path):
     """Nothing is put on that was made for another mesh."""
     state = dressed("compliant")
-    activity = Activity(Scene(motion=SHORT, garment=Garment(cell_size=0.04)), COMM)
+    model = Model(Scene(motion=SHORT, garment=Garment(cell_size=0.04)), COMM)
     with pytest.raises(ValueError, match=r"dressed\.npz is of a garment with 1345 .* anew"):
-        wear(activity, state.path)
+        model.put_on(state.path)
     with pytest.raises(FileNotFoundError, match=r"nowhere\.npz"):
-        wear(activity, tmp_path / "nowhere.npz")
+        model.put_on(tmp_path / "nowhere.npz")
+
+
+def changed_by_dressing(model):
+    """What dressing changes of a stepper and its contact (copies)."""
+    stepper, contact = model.stepper, model.contact
+    arrays = stepper.w, stepper.v, stepper.q, contact.correction.allowed, contact.friction
+    settings = stepper.time, stepper.drag, stepper.steps, *map(id, stepper.external.applied)
+    return [*(np.array(one) for one in arrays), np.array(settings)]
+
+
+def same(one, other):
+    return [np.array_equal(a, b) for a, b in zip(one, other, strict=True)]
+
+
+@pytest.mark.parametrize("give_up", ["below", "pull"])
+def test_an_error_while_dressing_leaves_everything_as_it_was(give_up):
+    """Shape, clock, drag, friction, the feet, and no hands that go on pulling."""
+    model = Model(Scene(motion=SHORT, garment=Garment(cell_size=0.04)), COMM)
+    before, meanwhile = changed_by_dressing(model), []
+
+    def watch(stage, _):
+        if stage == give_up:
+            meanwhile.append(changed_by_dressing(model)[:5])
+            raise RuntimeError("the wearer walks off")
+
+    with pytest.raises(RuntimeError, match="walks off"):
+        model.dress(watch)
+    assert all(same(before, changed_by_dressing(model)))
+    moving = give_up == "pull"
+    changed = [not one for one in same(before[:5], meanwhile[0])]
+    assert COMM.allreduce(np.array(changed, int)).astype(bool).tolist() == [
+        True, moving, moving, True, True,
+    ]  # fmt: skip
+    assert model.belt is None

@@ -12,7 +12,8 @@ import pytest
 from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.dynamics.implicit_midpoint import ImplicitMidpoint
 from shellform.errors import NotConverged
-from tests.dynamics.test_explicit import sheet, strip, tip, totals, tumble
+from tests.dynamics.test_explicit import sheet, totals, tumble
+from tests.dynamics.test_explicit_accuracy import strip, tip
 
 G = 9.81
 

@@ -78,10 +78,10 @@ def test_strain_limit():
         a, most[bound] = p.mass @ p.v, 0.0
         for _ in range(200):
             p.step(p.dt)
-            x, s = p.points + p.owned[:, :3], p.internal
-            pairs = s.pairs[: s.limited]
+            x, s = p.points + p.owned[:, :3], p.force_model
+            pairs = s.table.pairs[: s.limited]
             length = np.linalg.norm(x[pairs[:, 1]] - x[pairs[:, 0]], axis=1)
-            most[bound] = max(most[bound], (length / s.rest[: s.limited]).max())
+            most[bound] = max(most[bound], (length / s.table.rest[: s.limited]).max())
         assert np.abs(p.mass @ p.v - a).max() < 1e-12
     assert most[0.1] < 1.1 + 0.02
     assert most[None] > 1.2
@@ -103,12 +103,14 @@ def test_second_order_in_time(bending, no_forms):
 
     p, end = pendulum(), 0.2
     free, n = ~p.held[:, :3], p.n_owned
-    w, weight = p.w.copy(), p.force.copy()
+    w, weight = p.w.copy(), p.external.force.copy()
 
     def rate(_, y):
         u, v = y.reshape(2, n, 3)
         w[:, :3] = u
-        return np.concatenate([v, free * (weight - p.internal(w)[:, :3]) / p.mass[:, None]]).ravel()
+        return np.concatenate(
+            [v, free * (weight - p.force_model.force(w, v, v, 0.0)[:, :3]) / p.mass[:, None]]
+        ).ravel()
 
     start = np.concatenate([np.zeros((n, 3)), p.v]).ravel()
     exact = solve_ivp(rate, (0, end), start, rtol=1e-11, atol=1e-13, method="DOP853").y[:, -1]
@@ -133,7 +135,7 @@ def test_damping_loss_is_exact(no_forms):
         p = Particles(sheet(), factor, damping=2e-4, bending="none")
         p.v[:] = 3 * np.sin(7 * p.points[:, ::-1])
         p.recheck = 10**9
-        ledger, rows = Ledger(None, p), []
+        ledger, rows = p.add(Ledger()), []
         for k in range(1, 11):
             p.advance(0.004 * k)
             rows.append(ledger.record())
@@ -163,15 +165,15 @@ def test_hand_over_keeps_momentum():
 
 def test_rests_on_a_sphere_with_its_weight(no_forms):
     from contact.body.segments import Body, Fixed, Segment
-    from shellform.contact_coupling.explicit_contact import Touch
+    from shellform.contact_coupling.contact import Contact
     from shellform.results.ledger import Ledger
 
     surface = meshes.rectangle(0.5, 0.5, (10, 10)).transform(translation=(-0.25, -0.25, 2e-3))
     shell = Shell(surface, Fabric.isotropic(**CLOTH))
     shell.loads.gravity((0, 0, -9.81))
     p = Particles(shell, 0.8, damping=1e-3, drag=8.0)
-    touch = Touch(p, Body([Segment("limb", [0.25] * 3, Fixed((0.0, 0.0, -0.25)))]), 0.3)
-    ledger = Ledger(None, p, touch)
+    p.add(Contact(Body([Segment("limb", [0.25] * 3, Fixed((0.0, 0.0, -0.25)))]), 0.3))
+    ledger = p.add(Ledger())
     p.advance(2.0)
     ledger.record()
     p.advance(2.4)
@@ -186,7 +188,7 @@ def test_rests_on_a_sphere_with_its_weight(no_forms):
 def test_a_drape_goes_on_as_a_shell():
     """Particles fall onto a sphere, the shell goes on: momentum kept, its weight on the sphere."""
     from contact.body.segments import Body, Fixed, Segment
-    from shellform.contact_coupling.explicit_contact import Touch
+    from shellform.contact_coupling.contact import Contact
     from shellform.results.ledger import Ledger
 
     surface = meshes.rectangle(0.5, 0.5, (8, 8)).transform(translation=(-0.25, -0.25, 2e-3))
@@ -194,19 +196,19 @@ def test_a_drape_goes_on_as_a_shell():
     shell.loads.gravity((0, 0, -9.81))
     body = Body([Segment("limb", [0.25] * 3, Fixed((0.0, 0.0, -0.25)))])
     p = Particles(shell, 0.8, damping=1e-3, drag=8.0)
-    first = Touch(p, body, 0.3)
+    first = p.add(Contact(body, 0.3))
     p.advance(0.15)
     while first.correction.active < 2:
         p.advance(p.time + p.dt)
     assert p.momenta()[2] > 1e-5  # it still moves
     momentum, inside = p.momenta()[0], first.correction.segment.copy()
     newmark = Newmark(shell, 0.8, damping=1e-3, drag=8.0)
-    touch = Touch(newmark, body, 0.3)
-    hand_over(p, newmark, first, touch)
+    touch = newmark.add(Contact(body, 0.3))
+    hand_over(p, newmark)
     assert newmark.time == p.time
     assert np.array_equal(touch.correction.segment, inside)
     assert newmark.momenta()[0] == pytest.approx(momentum, abs=2e-3 * np.linalg.norm(momentum))
-    ledger = Ledger(None, newmark, touch)
+    ledger = newmark.add(Ledger())
     newmark.advance(2.2)
     ledger.record()
     newmark.advance(2.6)

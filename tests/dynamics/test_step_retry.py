@@ -9,7 +9,7 @@ import pytest
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.state import changing
@@ -40,7 +40,7 @@ def drape(factor=0.8, **damping):
     shell.loads.gravity((0.0, 0.0, -G))
     stepper = Newmark(shell, factor, **damping)
     limb = Segment("limb", [0.25] * 3, Fixed((0.0, 0.0, -0.25)))
-    return stepper, Touch(stepper, Body([limb]), 0.3)
+    return stepper, stepper.add(Contact(Body([limb]), 0.3))
 
 
 def places(stepper):
@@ -95,22 +95,22 @@ def test_nothing_is_cut_back_without_need():
 
 def test_a_hopeless_case_keeps_the_last_good_state(shared_tmp_path, comm):
     """One node of one rank is lost again and again: all ranks stop, told what was tried."""
-    stepper, touch = drape(damping=1e-4)
+    stepper, _ = drape(damping=1e-4)
     stepper.recheck = 40
 
     def lose(stepper, dt):
         if stepper.time > 0.05 and 0 in stepper.shell.partition.owned_nodes:
             stepper.v[np.flatnonzero(stepper.shell.partition.owned_nodes == 0)] = np.nan
 
-    stepper.hooks.append(lose)
+    stepper.add(lose)
     with pytest.raises(Unstable, match=r"node \d+ of rectangle .* with steps of .* is kept"):
         stepper.advance(1.0)
     assert stepper.rewind.cutbacks == stepper.rewind.retries
     assert 0.03 < stepper.time <= 0.05 + stepper.dt
-    checkpoint.save(shared_tmp_path / "last.npz", stepper, touch)
+    checkpoint.save(shared_tmp_path / "last.npz", stepper)
     comm.Barrier()
-    again, again_touch = drape(damping=1e-4)
-    checkpoint.load(shared_tmp_path / "last.npz", again, again_touch)
+    again, _ = drape(damping=1e-4)
+    checkpoint.load(shared_tmp_path / "last.npz", again)
     assert np.isfinite(again.w).all()
     assert again.time == stepper.time
     again.advance(0.1)
@@ -120,7 +120,7 @@ def test_a_hopeless_case_keeps_the_last_good_state(shared_tmp_path, comm):
 def test_books_and_contact_go_back_too(comm):
     """A rewound run has the state it went back to, and its momentum closes as if nothing was."""
     stepper, touch = drape(damping=1e-4, drag=0.5)
-    ledger = Ledger(None, stepper, touch)
+    ledger = stepper.add(Ledger())
     stepper.advance(0.12)
     stepper.rewind.begin(0)
 
@@ -175,7 +175,7 @@ def test_energy_residual_is_the_error_of_the_steps(damping):
     for factor in (0.4, 0.2):
         stepper = thrown(factor, damping, drag=0.5 if damping else 0.0)
         stepper.recheck = 10**9
-        ledger = Ledger(None, stepper)
+        ledger = stepper.add(Ledger())
         rows = []
         for k in range(1, 21):
             stepper.advance(0.005 * k)
@@ -201,7 +201,7 @@ def test_free_fall_has_no_energy_residual():
     shell.loads.gravity((0.0, 0.0, -G))
     stepper = Newmark(shell, drag=0.3)
     stepper.v[:] = [0.5, 0.0, 1.0]
-    ledger = Ledger(None, stepper)
+    ledger = stepper.add(Ledger())
     stepper.advance(0.2)
     row = ledger.record()
     assert row["drag_loss"] > 1e-3
@@ -210,8 +210,8 @@ def test_free_fall_has_no_energy_residual():
 
 def test_energy_of_a_drape_is_accounted_for():
     """Impacts, friction, drag and damping leave little over; at rest nothing runs away."""
-    stepper, touch = drape(0.4, damping=2e-4, drag=4.0)
-    ledger = Ledger(None, stepper, touch)
+    stepper, _ = drape(0.4, damping=2e-4, drag=4.0)
+    ledger = stepper.add(Ledger())
     for k in range(1, 11):
         stepper.advance(0.2 * k)
         ledger.record()
@@ -238,7 +238,7 @@ def test_work_of_moving_edges_and_moments_closes():
         shell.loads.edge_moment("right", (0.0, 1e-3, 0.0))
         stepper = Newmark(shell, factor)
         stepper.recheck = 10**9
-        ledger = Ledger(None, stepper)
+        ledger = stepper.add(Ledger())
         rows = []
         for k in range(1, 21):
             stepper.advance(0.005 * k)
@@ -265,7 +265,7 @@ def main(arguments):
         if rank == 1 and stepper.steps == 7:
             raise ValueError("rank 1 gives up in a step")
 
-    stepper.hooks.append(give_up)
+    stepper.add(give_up)
     stepper.advance(1.0)
 
 console.run(main)
@@ -278,6 +278,6 @@ def test_a_rank_that_fails_in_a_step_ends_all(tmp_path):
     """The other waits for it in its next exchange of ghosts, and is ended all the same."""
     script = tmp_path / "fails.py"
     script.write_text(FAILS.format(tests=str(Path(__file__).resolve().parents[2])))
-    done = launch(2, script, timeout=120)
+    done = launch(2, script)
     assert done.returncode != 0
     assert "rank 1 gives up in a step" in done.stderr

@@ -9,7 +9,7 @@ from scipy.special import ellipe
 
 from contact.body.segment_frame import pose_from_markers
 from shellform.motion.anthropometry import ellipsoids, girth, section, wearer_girths
-from shellform.motion.gait.leg import standing
+from shellform.motion.gait.standing_pose import standing
 from shellform.motion.recording import SIDES
 
 LENGTHS = {"pelvis": 0.100}

@@ -6,7 +6,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from contact.body.segment_frame import pose_from_markers
-from shellform.motion.capture.standing_start import lead_in
+from shellform.motion.capture.gait_initiation import gait_initiation
 from shellform.motion.recording import JOINTS, Recording
 from shellform.motion.wearer import Wearer
 
@@ -163,9 +163,9 @@ def walking(times):
     return Recording(np.asarray(times), points, "walk")
 
 
-def test_lead_in_keeps_segments_together_and_arrives_with_the_speed():
+def test_gait_initiation_keeps_segments_together_and_arrives_with_the_speed():
     recording = walking(np.arange(100) / 100)
-    full = lead_in(recording, standing((5.0, 3.0)), 1.0)
+    full = gait_initiation(recording, standing((5.0, 3.0)), 1.0)
     assert full.times[0] == -1.0 and full.rate == pytest.approx(100)
     for _, below, (segment, end) in JOINTS.values():
         if below.endswith("shank"):  # thigh and shank share the knee
@@ -190,10 +190,10 @@ def test_lead_in_keeps_segments_together_and_arrives_with_the_speed():
     assert (np.diff(pelvis[:, 0]) > -1e-9).all()
 
 
-def test_no_lead_in_and_wrong_ones():
+def test_no_gait_initiation_and_wrong_ones():
     recording = walking(np.arange(10) / 100)
-    assert lead_in(recording, standing(), 0.0) is recording
+    assert gait_initiation(recording, standing(), 0.0) is recording
     with pytest.raises(ValueError, match="0 s or longer"):
-        lead_in(recording, standing(), -1.0)
+        gait_initiation(recording, standing(), -1.0)
     with pytest.raises(ValueError, match="lacks left_foot, right_foot"):
-        lead_in(recording, {n: p for n, p in standing().items() if "foot" not in n})
+        gait_initiation(recording, {n: p for n, p in standing().items() if "foot" not in n})

@@ -10,99 +10,29 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 from numba.core.runtime import rtsys
-from scipy.special import elliprg
 
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from contact.geometry.ellipsoid import closest_points
-from contact.geometry.surface_patches import Patches, areas_between
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.director import rotation_matrix
 from shellform.fem.lumped_mass import nodal_areas
 from shellform.pictures.skin_pressure import pressure_figure
 from shellform.results.skin_pressure import Pressure, load, save, summary
+from tests.contact.geometry.test_surface_patches import outward
 from tests.contact_coupling.test_explicit_contact import G, over_sphere
 from tests.results.test_joint_torque import curtain
 
 STEPS = 150
-SHAPES = ((0.2, 0.06, 0.05), (0.1, 0.12, 0.16), (0.05, 0.05, 0.05), (1.0, 0.05, 0.05))
-
-
-def outward(patches):
-    """Unit normals (P, 3) at the patches' centres, in the axes of the ellipsoids."""
-    n = patches.centres / patches.radii[patches.owner] ** 2
-    return n / np.linalg.norm(n, axis=1, keepdims=True)
-
-
-def test_areas_are_those_of_the_ellipsoid():
-    """Total by Carlson's 4 pi R_G(a2 b2, a2 c2, b2 c2), patches nearly equal and of their size."""
-    size = 0.02
-    patches = Patches(SHAPES, size)
-    for b, (r1, r2, r3) in enumerate(SHAPES):
-        own = patches.areas[patches.owner == b]
-        exact = 4 * np.pi * elliprg((r1 * r2) ** 2, (r1 * r3) ** 2, (r2 * r3) ** 2)
-        assert own.sum() == pytest.approx(exact, rel=1e-4)
-        assert len(own) == patches.rows[b] * patches.columns[b]
-        assert np.abs(own / own.mean() - 1).max() < 0.15
-        assert own.mean() == pytest.approx(size**2, rel=0.15)
-    # a sphere's zones are as large as their heights, Archimedes
-    zones = areas_between((0.3, 0.3, 0.3), (-1, -0.5, 0.7, 1), (-np.pi, 0.0, np.pi))
-    assert zones == pytest.approx(0.09 * np.pi * np.array([[0.5] * 2, [1.2] * 2, [0.3] * 2]))
-
-
-def test_closed_surface():
-    """Equal pressure all around pushes nowhere, and does p V through its centres; 1 %."""
-    patches = Patches(SHAPES, 0.01)
-    n = outward(patches)
-    for b, radii in enumerate(SHAPES):
-        own = patches.owner == b
-        push = patches.areas[own] @ n[own]
-        assert np.abs(push).max() < 1e-5 * patches.areas[own].sum()
-        volume = np.sum(patches.areas[own] * np.sum(n[own] * patches.centres[own], axis=1)) / 3
-        assert volume == pytest.approx(4 / 3 * np.pi * np.prod(radii), rel=1e-2)
-
-
-def test_values_at_places():
-    """A patch's own number at its centre, a height across the rows, ones everywhere."""
-    patches = Patches(SHAPES, 0.02)
-    rng = np.random.default_rng(4)
-    for b, radii in enumerate(SHAPES):
-        own = np.flatnonzero(patches.owner == b)
-        numbers = np.arange(len(patches.areas), dtype=float)
-        assert patches.values(b, patches.centres[own], numbers) == pytest.approx(own, abs=1e-6)
-        unit = rng.standard_normal((200, 3))
-        places = radii * unit / np.linalg.norm(unit, axis=1, keepdims=True)
-        assert patches.values(b, places, np.ones(len(numbers))) == pytest.approx(1, abs=1e-12)
-        middle = np.abs(places[:, 0]) < 0.7 * radii[0]
-        heights = patches.values(b, places[middle], patches.centres[:, 0])
-        step = np.diff(np.unique(np.round(patches.centres[own, 0], 9))).max()
-        assert np.abs(heights - places[middle, 0]).max() < 0.1 * step
-
-
-def test_even_pressure_gives_an_even_map():
-    """On a lattice of points at odds with the patches, unevenness falls as its spacing squared."""
-    patches, uneven = Patches([(0.05, 0.05, 0.05)], 0.01), []
-    for times in (2.3, 4.6, 9.2):
-        # equal parts of a sphere, by Archimedes
-        rows, columns = round(times * patches.rows[0]), round(times * patches.columns[0])
-        s = -1 + 2 * (np.arange(rows) + 0.5)[:, None] / rows
-        phi = 2 * np.pi * (np.arange(columns) + 0.3) / columns
-        c = np.sqrt(1 - s * s)
-        points = 0.05 * np.stack([s + 0 * phi, c * np.cos(phi), c * np.sin(phi)], axis=-1)
-        given = patches.values(0, points.reshape(-1, 3), np.eye(len(patches.areas))).sum(axis=0)
-        assert given.sum() == pytest.approx(rows * columns, rel=1e-12)
-        uneven.append(np.abs(given / given.sum() * patches.areas.sum() / patches.areas - 1).max())
-    assert uneven[0] < 0.08
-    assert np.log2(uneven[0] / uneven[2]) > 2 * 1.7
 
 
 def mapped(size=0.03, **scene):
     """The curtain of test_torque with a map; nothing has moved yet."""
     stepper, touch, _ = curtain(**scene)
-    return stepper, touch, Pressure(touch, stepper, size)
+    return stepper, touch, stepper.add(Pressure(size))
 
 
 def test_twin_in_plain_numpy():
@@ -148,7 +78,7 @@ def test_twin_in_plain_numpy():
             area = stepper.mass[i] / areal
             sums[own] += np.outer(weight, [normal, rest, area * dt])
 
-    stepper.hooks.append(twin)
+    stepper.add(twin)
     peaks, whole = [], np.zeros((P, 3))
     for end in (70, STEPS):
         before = stepper.time
@@ -181,9 +111,9 @@ def test_twin_in_plain_numpy():
 def test_normal_force_is_what_contact_booked():
     """Without friction, on one convex body: all of every impulse, and nothing rubs."""
     stepper, touch = over_sphere(friction=0.0, height=1e-3)
-    pressure = Pressure(touch, stepper, 0.05)
+    pressure = stepper.add(Pressure(0.05))
     booked = np.zeros(1)
-    stepper.hooks.append(
+    stepper.add(
         lambda *_: booked.__iadd__(np.linalg.norm(touch.correction.last.impulse, axis=1).sum())
     )
     stepper.advance(0.05)
@@ -203,8 +133,8 @@ def test_map_of_a_sheet_at_rest_carries_its_weight():
     shell.loads.gravity((0.0, 0.0, -G))
     stepper = Newmark(shell, 0.8, drag=8.0, damping=1e-3)
     axes = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
-    touch = Touch(stepper, Body([Segment("head", [R] * 3, Fixed((0, 0, 0), axes))]), friction=0.0)
-    pressure = Pressure(touch, stepper, 0.02)
+    stepper.add(Contact(Body([Segment("head", [R] * 3, Fixed((0, 0, 0), axes))]), friction=0.0))
+    pressure = stepper.add(Pressure(0.02))
     stepper.advance(0.4)
     pressure.restore((np.zeros_like(pressure.total), 0.0))
     stepper.advance(0.6)
@@ -233,7 +163,8 @@ def sleeve(cells, size):
     skin = radius - 5e-4
     axes = np.eye(3)[[2, 0, 1]]
     body = Body([Segment("arm", (1.0, skin, skin), Fixed((0, 0, 0), axes))])
-    pressure = Pressure(Touch(stepper, body, friction=0.0), stepper, size)
+    stepper.add(Contact(body, friction=0.0))
+    pressure = stepper.add(Pressure(size))
     stepper.advance(0.02)
     pressure.restore((np.zeros_like(pressure.total), 0.0))
     stepper.advance(0.04)
@@ -299,22 +230,22 @@ def test_map_on_many_ranks(plain):
 def test_goes_on_from_a_checkpoint(shared_tmp_path):
     """A window left open when the run stops is the same as one that was not."""
     path = shared_tmp_path / "checkpoint.npz"
-    stepper, touch, pressure = mapped()
+    stepper, _, pressure = mapped()
     stepper.advance(60 * stepper.dt)
     pressure.record(stepper.time)
     stepper.advance(100 * stepper.dt)
-    checkpoint.save(path, stepper, touch, pressure.saved())
-    again, again_touch, _ = curtain()
-    state = checkpoint.load(path, again, again_touch)
-    resumed = Pressure(again_touch, again, 0.03, state)
+    checkpoint.save(path, stepper)
+    again, _, _ = curtain()
+    state = checkpoint.load(path, again)
+    resumed = again.add(Pressure(0.03, state))
     for one, hook in ((stepper, pressure), (again, resumed)):
         one.advance(STEPS * one.dt)
         hook.record(one.time)
     assert_equal_maps(resumed.result(), pressure.result())
     with pytest.raises(ValueError, match=r"patches of 0.03 m, not \d+ of 0.05 m"):
-        Pressure(again_touch, again, 0.05, state)
+        again.add(Pressure(0.05, state))
     with pytest.raises(ValueError, match="no pressure map"):
-        Pressure(again_touch, again, 0.03, {})
+        again.add(Pressure(0.03, {}))
 
 
 def test_steps_allocate_nothing():
@@ -332,7 +263,7 @@ def test_steps_allocate_nothing():
     # numba wraps each of its 16 arguments that are arrays
     assert made == 20 * 16
     assert peak < min(stepper.v.nbytes, 4000)
-    assert not any(isinstance(hook, Pressure) for hook in curtain()[0].hooks)
+    assert not any(isinstance(part, Pressure) for part in curtain()[0].parts)
 
 
 @pytest.mark.serial
@@ -341,7 +272,7 @@ def test_not_loaded_unless_asked_for():
         "import sys, shellform.simulation.run, shellform.pictures.walk; print(sorted(sys.modules))"
     )
     names = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "'shellform.contact_coupling.explicit_contact'" in names.stdout
+    assert "'shellform.contact_coupling.contact'" in names.stdout
     assert (
         "shellform.results.skin_pressure" not in names.stdout
         and "contact.geometry.surface_patches" not in names.stdout
@@ -352,10 +283,13 @@ def test_bad_input():
     stepper, touch = over_sphere()
     for size in (0.0, np.nan, -1.0, 1e-5):
         with pytest.raises(ValueError, match=r"size of at least 0\.001 m"):
-            Pressure(touch, stepper, size)
-    sampled = Touch(stepper, touch.correction.body, samples=1)
+            stepper.add(Pressure(size))
+    sampled = Newmark(Shell(meshes.rectangle(0.5, 0.5, (4, 4)), stepper.shell.fabric))
+    with pytest.raises(ValueError, match="needs a contact"):
+        sampled.add(Pressure())
+    sampled.add(Contact(touch.body, samples=1))
     with pytest.raises(ValueError, match="leave out the samples"):
-        Pressure(sampled, stepper)
+        sampled.add(Pressure())
 
 
 def test_file_and_picture(plain, shared_tmp_path, comm):

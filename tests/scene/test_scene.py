@@ -21,12 +21,12 @@ OTHER = Scene(
     fabric="stiff",
     motion=Motion(
         file="/captures/a walk.c3d", map="lateral", unit="mm", up="y", cutoff=8.0, max_gap=0.25,
-        start=0.5, end=2.25, lead_in=0.75, strides=3, obstacle=0.1,
+        start=0.5, end=2.25, initiation=0.75, strides=3, obstacle=0.1,
     ),
     person=Person(stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}),
     garment=Garment(
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
-        measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
+        kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
     ),
     contact=Contact(friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5),
     steps=Steps(
@@ -165,7 +165,10 @@ WRONG = {
     "unknown table": ("[walk]\nend_s = 1", ("'walk'", "belt_N", "[motion]")),
     "table for a number": ("[belt_N]\nx = 1", ("belt", "a number")),
     "number for a table": ("motion = 5", ("[motion]", "table", "5")),
-    "key of another table": ("[motion]\nfriction = 0.3", ("[motion]", "'friction'", "lead_in_s")),
+    "key of another table": (
+        "[motion]\nfriction = 0.3",
+        ("[motion]", "'friction'", "initiation_s"),
+    ),
     "not TOML": ("belt_N = ", ("not a TOML file",)),
     "not text": (b"\xff\xfe\x00", ("not a TOML file",)),
     "belt in g": ("belt_N = 2000", ("belt = 2000", "0 to 500", "5 to 50 N")),

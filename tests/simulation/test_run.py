@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A dressed wearer walks: forces add up, torques turn with the scene, stopped runs go on.
+"""A dressed wearer walks: forces add up, torques turn with the scene, files are complete.
 
 The walk is short: out of the second stride of the synthetic walk, with a quick way into it. Cloth
 that folds is chaotic: a difference of roundoff grows tenfold in 20 ms or so, so two runs that are
@@ -9,11 +9,6 @@ equal but for roundoff, which settle for 0.1 s before, are compared for 60 ms.
 import csv
 import json
 import re
-import shutil
-import signal
-import subprocess
-import sys
-import time
 from functools import partial
 from pathlib import Path
 
@@ -22,31 +17,31 @@ from mpi4py import MPI
 import numpy as np
 import pytest
 
-from shellform.__main__ import main
 from shellform.fem.director import rotation_matrix
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.results.joint_torque import COLUMNS, rows_until
-from shellform.scene import wearer as build
 from shellform.scene.garment import garment_of
 from shellform.scene.parts import Motion, Output, Steps
 from shellform.scene.scene import Scene
-from shellform.scene.scene_file import write_scene
-from shellform.simulation import run as activity
-from shellform.simulation import summary as account
+from shellform.scene.wearer import wearer_of
 from shellform.simulation.figures import draw
+from shellform.simulation.run import run as run_scene
+from shellform.simulation.summary import summary_lines
 from tests.dressing.test_dress import dressed
 from tests.scene.test_wearer_and_garment import turned
-from tests.test_parallel import launch, needs_mpirun
 
 COMM = MPI.COMM_WORLD
+
+
 JOINTS = [f"{side}_{joint}" for side in ("right", "left") for joint in ("hip", "knee", "ankle")]
+
+
 # without drag of the air, which the ledger books but does not tell by window
 WALK = Scene(
-    motion=Motion(start=1.5, end=1.7, lead_in=0.4),
+    motion=Motion(start=1.5, end=1.7, initiation=0.4),
     steps=Steps(drag=0.0),
     output=Output(checkpoint=0.1),
 )
-PATIENCE = 300  # seconds for a program that compiles first
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +49,7 @@ def walked(tmp_path_factory):
     """Folder of a whole run, and what it returned; frames that were watched."""
     out = Path(COMM.bcast(str(tmp_path_factory.mktemp("walk")) if COMM.rank == 0 else None))
     watched = []
-    results = activity.run(
+    results = run_scene(
         WALK, out, COMM, dressed("compliant").path, lambda stage, _: watched.append(stage)
     )
     COMM.Barrier()
@@ -89,7 +84,7 @@ def test_forces_balance(walked):
     """
     out, results, _ = walked
     rows = table(out / "ledger.csv")
-    names = build.wearer_of(WALK).names
+    names = wearer_of(WALK).names
     t, p = np.array([row["time"] for row in rows]), vectors(rows, "momentum")
     needed = np.diff(p, axis=0) / np.diff(t)[:, None] + [0.0, 0.0, results["weight"]]
     off = np.abs(contact_forces(rows, names)[1:] - needed).max() / results["weight"]
@@ -97,7 +92,7 @@ def test_forces_balance(walked):
     print(f"forces balance to {100 * off:.3f} % of the weight; accelerations to {moved:.2f} g")
     assert off < 0.005 < 0.1 < moved
     assert results["force_balance_error"] < 1e-6
-    surface = garment_of(WALK, build.wearer_of(WALK))
+    surface = garment_of(WALK, wearer_of(WALK))
     corners = surface.points[surface.cells]
     one, other = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     area = 0.25 * np.linalg.norm(np.cross(one, other), axis=2).sum()
@@ -108,7 +103,7 @@ def test_segments_get_what_nodes_give(walked):
     """Wrenches of the segments are the forces of the frames, and give the torques of the file."""
     meshio = pytest.importorskip("meshio")
     out, results, watched = walked
-    rows, wearer = table(out / "ledger.csv"), build.wearer_of(WALK)
+    rows, wearer = table(out / "ledger.csv"), wearer_of(WALK)
     whole = contact_forces(rows, wearer.names)
     times = np.array([row["time"] for row in rows])
     frames = re.findall(r'timestep="(.*?)".*file="(.*?)"', (out / "series.pvd").read_text())
@@ -137,7 +132,7 @@ def test_segments_get_what_nodes_give(walked):
 def test_files_of_a_run(walked):
     """torque.csv, ledger.csv, series, checkpoint, dressed state, summary.json with its keys."""
     out, results, _ = walked
-    wearer = build.wearer_of(WALK)
+    wearer = wearer_of(WALK)
     rows = rows_until(out / "torque.csv", np.inf)
     assert tuple(rows[0]) == COLUMNS
     assert len(rows) == 6 * round((wearer.end - wearer.start) / WALK.output.window)
@@ -153,16 +148,16 @@ def test_files_of_a_run(walked):
         assert key in summary
     assert set(summary["seconds"]) >= {"setup", "compile", "assemble", "solve", "contact", "total"}
     assert summary["ranks"] == COMM.size and summary["dofs"] == 5 * summary["nodes"]
-    told = summary["results"]
+    found = summary["results"]
     for key in (
         "max_penetration", "force_balance_error", "strides", "stride_length", "parts", "window",
         "dressing", "pinched_most", "notes", "weight",
     ):  # fmt: skip
-        assert key in told
-    assert list(told["joints"]) == JOINTS
-    assert told["window"] == 0.02 and told["parts"]["left_knee"] == ["left_shank", "left_foot"]
-    assert told["stride_length"] == pytest.approx(1.32)
-    for joint, numbers in told["joints"].items():
+        assert key in found
+    assert list(found["joints"]) == JOINTS
+    assert found["window"] == 0.02 and found["parts"]["left_knee"] == ["left_shank", "left_foot"]
+    assert found["stride_length"] == pytest.approx(1.32)
+    for joint, numbers in found["joints"].items():
         mine = [row for row in rows if row["joint"] == joint]
         flexion = np.array([row["torque_flexion"] for row in mine])
         assert abs(numbers["peak_torque"]) == pytest.approx(np.abs(flexion).max(), rel=1e-9)
@@ -170,7 +165,7 @@ def test_files_of_a_run(walked):
         power = np.array([row["power"] for row in mine])
         assert numbers["work"] == pytest.approx(power.sum() * 0.02, rel=1e-6, abs=1e-12)
         assert numbers["resistance"] >= max(0.0, -numbers["work"]) - 1e-12
-    lines = "\n".join(account.told(results))
+    lines = "\n".join(summary_lines(results))
     assert "right_knee" in lines and "% of the weight" in lines
 
 
@@ -191,8 +186,8 @@ def walks(monkeypatch, tmp_path):
     """Function: torques of a run whose synthetic walk is made by another function."""
 
     def run(make, state):
-        monkeypatch.setattr(build, "synthetic_walk", make)
-        activity.run(WALK, tmp_path, COMM, state)
+        monkeypatch.setattr("shellform.scene.wearer.synthetic_walk", make)
+        run_scene(WALK, tmp_path, COMM, state)
         return torques(tmp_path)
 
     return run
@@ -240,124 +235,3 @@ def test_mirrored_walk(walked, walks, tmp_path):
     # a torque is an axial vector
     compared("mirrored", plain[:, [3, 4, 5, 0, 1, 2]] * [-1, 1, -1, 1], found)
     assert np.abs(plain[:3] - plain[:3, [3, 4, 5, 0, 1, 2]]).max() > 0.1 * np.abs(plain[:3]).max()
-
-
-@pytest.fixture(scope="module")
-def scene_file(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scenes") / "scene.toml"
-    write_scene(WALK, path)
-    return path
-
-
-def begin(scene, out, ready):
-    """Start `shellform run`; returns the program once `ready()`."""
-    state = ("--dressed", dressed("compliant").path, "--no-pictures")
-    words = [sys.executable, "-m", "shellform", "run", scene, "--out", out, *state]
-    program = subprocess.Popen(
-        [*map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    end = time.monotonic() + PATIENCE
-    while not ready():
-        assert program.poll() is None, program.communicate()[1]
-        assert time.monotonic() < end, "nothing written yet"
-        time.sleep(0.01)
-    return program
-
-
-@pytest.fixture(scope="module")
-def killed(scene_file, tmp_path_factory):
-    """Folder of a run that was killed some time after its first checkpoint."""
-    out = tmp_path_factory.mktemp("killed")
-    program = begin(scene_file, out, (out / "checkpoint.npz").exists)
-    program.send_signal(signal.SIGKILL)
-    program.communicate()
-    assert program.returncode == -signal.SIGKILL and not (out / "summary.json").exists()
-    return out
-
-
-def copied(folder, to):
-    return Path(shutil.copytree(folder, to / "copy"))
-
-
-def same_as_uninterrupted(out, whole, bar=1e-6):
-    """Torques of all windows, forces and frames of a run that was stopped and gone on with."""
-    one, other = torques(whole), torques(out)
-    off = np.abs(one - other).max() / np.abs(one).max()
-    print(f"gone on with: torques differ by {off:.1e} of the largest")
-    assert one.shape == other.shape and off <= bar
-    rows, again = table(whole / "ledger.csv"), table(out / "ledger.csv")
-    names = build.wearer_of(WALK).names
-    forces, others = contact_forces(rows, names), contact_forces(again, names)
-    assert np.abs(forces - others).max() <= bar * np.abs(forces).max()
-    frames = [re.findall('timestep="(.*?)"', (f / "series.pvd").read_text()) for f in (whole, out)]
-    assert frames[0] == frames[1]
-    one, other = (json.loads((f / "summary.json").read_text())["results"] for f in (whole, out))
-    assert set(one) == set(other) and one["dressing"] == other["dressing"]
-    assert one["max_penetration"] == pytest.approx(other["max_penetration"], rel=bar)
-    for joint, numbers in one["joints"].items():
-        for key in ("peak_torque", "rms_torque", "work", "resistance"):
-            assert other["joints"][joint][key] == pytest.approx(numbers[key], rel=1e-6, abs=bar)
-
-
-@pytest.mark.serial
-@pytest.mark.slow
-def test_killed_run_goes_on(walked, killed, tmp_path):
-    """As if it had not been killed; a run without pictures loads nothing that draws."""
-    out = copied(killed, tmp_path)
-    code = (
-        "import sys\n"
-        "from shellform import console\n"
-        "from shellform.__main__ import main\n"
-        "console.run(main, ['resume', sys.argv[1], '--no-pictures'])\n"
-        "unasked = ['matplotlib', 'PIL', 'ezc3d', 'gmsh', 'shellform.pictures.walk']\n"
-        "unasked += ['shellform.dynamics.mass_spring', 'shellform.dynamics.implicit']\n"
-        "unasked += ['shellform.motion.capture.read_motion']\n"
-        "print('unasked:', [name for name in unasked if name in sys.modules])\n"
-    )
-    words = [sys.executable, "-c", code, str(out)]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
-    assert done.returncode == 0, done.stderr
-    assert "unasked: []" in done.stdout
-    assert "right_knee" in done.stdout and not list(out.glob("*.png"))
-    same_as_uninterrupted(out, walked[0])
-
-
-@needs_mpirun
-@pytest.mark.serial
-@pytest.mark.slow
-def test_killed_run_goes_on_on_two_ranks(walked, killed, tmp_path):
-    """Sums in another order: 1e-6 of the largest torque for 0.1 s, then chaos."""
-    out = copied(killed, tmp_path)
-    with np.load(out / "checkpoint.npz") as state:
-        done = int(state["done"])
-    program = launch(2, "-m", "shellform", "resume", out, "--no-pictures", timeout=PATIENCE)
-    assert program.returncode == 0, program.stderr[-2000:]
-    one, two = torques(walked[0]), torques(out)
-    off = np.abs(one - two).max(axis=(1, 2)) / np.abs(one).max()
-    print("two ranks: windows differ by", *(f"{x:.0e}" for x in off[done:]))
-    assert one.shape == two.shape
-    assert np.array_equal(one[:done], two[:done])  # rows of the file
-    assert 0 < off[done : done + 5].max() < 1e-6
-    told = json.loads((out / "summary.json").read_text())
-    assert told["ranks"] == 2 and told["results"]["force_balance_error"] < 1e-6
-
-
-@pytest.mark.serial
-@pytest.mark.slow
-def test_stopped_run_goes_on(walked, scene_file, tmp_path, capsys):
-    """Ctrl-C ends a run with a sentence, a checkpoint and exit code 130; `resume` ends the rest."""
-    out = tmp_path / "stopped"
-
-    def walking():
-        file = out / "torque.csv"
-        return file.exists() and file.read_text().count("\n") > 1
-
-    program = begin(scene_file, out, walking)
-    program.send_signal(signal.SIGINT)
-    _, said = program.communicate(timeout=PATIENCE)
-    assert program.returncode == 130
-    assert said.count("\n") == 1 and f"go on with: shellform resume {out}" in said
-    assert (out / "checkpoint.npz").exists() and not (out / "summary.json").exists()
-    main(["resume", str(out), "--no-pictures"])
-    assert "torque.csv" in capsys.readouterr().out
-    same_as_uninterrupted(out, walked[0])

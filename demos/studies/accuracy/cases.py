@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The scenes on which the trade between error and cost is measured, from the other demos.
+"""The scenes on which error against cost is measured, from the demos.
 
 Each is a Case: settings in order of rising cost, and a function that runs one of them and says what
 it found and what it took. Where the exact value is known a run knows its errors itself; where not,
-`trade_off.py` takes the finest runs for it.
+`run.py` takes the finest runs for it.
 """
 
 import argparse
@@ -15,7 +15,7 @@ from mpi4py import MPI
 import numpy as np
 
 from demos import capstan, hinge_sleeve, roll_up, strip_over_cylinder
-from demos.studies.drape import square as draped_square
+from demos.studies.drape import square
 from shellform import Statics
 
 COMM = MPI.COMM_WORLD
@@ -133,8 +133,8 @@ def bent(settings):
 def draped(settings):
     """A square on a sphere; mean height, force of the body, strain energy."""
     names = ("cells", "start", "factor", "model", "seconds")
-    scene = draped_square.Scene(**{k: v for k, v in settings.items() if k in names})
-    found = draped_square.run(scene)
+    scene = square.Scene(**{k: v for k, v in settings.items() if k in names})
+    found = square.run(scene)
     values = {"shape": found["height"], "force": found["force_up"], "energy": found["strain"]}
     return {
         "ratio": 1 / scene.cells / draped_length(),
@@ -148,8 +148,8 @@ def draped(settings):
 
 def draped_length():
     """(D/(m g))^(1/3) [m] of the square, as drape.py has it."""
-    scene = draped_square.Scene()
-    return (scene.bending / (0.2 * draped_square.G)) ** (1 / 3)
+    scene = square.Scene()
+    return (scene.bending / (0.2 * square.G)) ** (1 / 3)
 
 
 def _stepped(stepper, timer, ratio):
@@ -168,7 +168,7 @@ def meshes_of(key, counts, **more):
 
 
 def starts(counts, numbers=(1, 2)):
-    """Settings of runs from other starts, see draped_square.push."""
+    """Settings of runs from other starts, see square.push."""
     return [MESH | {"kind": "start", "cells": n, "start": k} for n in counts for k in numbers]
 
 

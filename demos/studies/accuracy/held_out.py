@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Scenes that were not used for the fit: what their errors were predicted to be, and what they are.
 
-Other numbers of turns, sheets, frictions, angles, radii and fabrics than those of trade_cases.py.
+Other numbers of turns, sheets, frictions, angles, radii and fabrics than those of cases.py.
 Each gives the choice made for an error asked for and the error reached, against the exact value
 where there is one and against a mesh of about half the cells' size where there is none.
 `python -m demos.studies.accuracy.run --held-out` prints the table.
@@ -48,7 +48,7 @@ def pulled(mu, radius, angle, asked):
 
 
 def hung(radius, length, bending_length, asked):
-    """Another strip over a cylinder: position of its tip, exact; averaged as in trade_cases.py."""
+    """Another strip over a cylinder: position of its tip, exact; averaged as in cases.py."""
     scene = strip_over_cylinder.Scene(radius, length, bending_length)
     choice = choose("strip", asked, min(radius, bending_length))
     cells = math.ceil(length / choice.size)

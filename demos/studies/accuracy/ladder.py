@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Runs of a case of trade_cases.py within a budget, with their memory; medians of short ones."""
+"""Runs of a case of cases.py within a budget, with their memory; medians of short ones."""
 
 import gc
 import resource
@@ -20,7 +20,7 @@ def ladder(case, budget):
     """Run the settings of a case until the budget [s] is spent.
 
     A run that would, by the growth of cost with cells, take more than is left is not begun; one
-    that fails is told and left out.
+    that fails is named and left out.
 
     Returns
     -------

@@ -54,7 +54,7 @@ def reference_rows(case, runs):
         doubt = float(np.hypot(doubt, spread / np.sqrt(len(meshes[first, ratios[-1]]))))
         size = rms(reference)
         scalar = float(reference) if np.ndim(reference) == 0 else f"curve of rms {size:.4g}"
-        same, told = {"reference": scalar, "uncertainty": doubt / size}, set()
+        same, entered = {"reference": scalar, "uncertainty": doubt / size}, set()
         for settings, found in runs:
             one = _row(settings, found, quantity) | same
             if settings["kind"] in ("step", "trick"):
@@ -64,9 +64,9 @@ def reference_rows(case, runs):
                     rows.append(one | {"error": rms(apart) / size} | _against(found, base))
                 continue
             key = settings["family"], found["ratio"]
-            if key in told:
+            if key in entered:
                 continue
-            told.add(key)
+            entered.add(key)
             error = np.sqrt(np.mean([rms(v - reference) ** 2 for v in meshes[key]]))
             if key == (first, ratios[-1]):
                 error = max(error, doubt)

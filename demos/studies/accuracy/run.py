@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-r"""The trade between error and cost, measured: what accuracy costs, scene by scene.
+r"""Error against cost, measured: what accuracy costs, scene by scene.
 
-    python -m demos.studies.accuracy.run --case roll_up --budget 60 --out out/trade_off
+    python -m demos.studies.accuracy.run --case roll_up --budget 60 --out out/accuracy
     python -m demos.studies.accuracy.run --case all --budget 1500 --write
     python -m demos.studies.accuracy.run --held-out
     python -m demos.studies.accuracy.run --table
 
 runs each scene with settings of rising cost until the budget [s of the wall clock] is spent, and
-leaves trade.csv (all runs), trade.png (errors over cost with the best-choice front: no other
-setting is both cheaper and better) and summary.json in the folder, and prints the cheapest setting
-for errors of 10, 3, 1 and 0.3 %. `--write` puts what was found where `--accuracy` reads it, the
-table shellform/accuracy/measured.csv. Cases that were not run keep their rows there, and so do
-those of which less was run than the table has, as the budget was short or a run failed.
+leaves error_and_cost.csv (all runs), error_and_cost.png (errors over cost with the best-choice
+front: no other setting is both cheaper and better) and summary.json in the folder, and prints the
+cheapest setting for errors of 10, 3, 1 and 0.3 %. `--write` puts what was found where `--accuracy`
+reads it, the table shellform/accuracy/measured.csv. Cases that were not run keep their rows there,
+and so do those of which less was run than the table has, as the budget was short or a run failed.
 `--held-out` runs scenes that were not used for the fit and compares the errors predicted with those
 reached; `--table` runs nothing and prints the tables from shellform/accuracy/measured.csv.
 
@@ -31,15 +31,15 @@ from mpi4py import MPI
 
 import numpy as np
 
-from demos.studies.accuracy import readme_tables as trade_readme
 from demos.studies.accuracy.cases import CASES
 from demos.studies.accuracy.held_out import HEAD, SCENES, WITHIN, line, measure
 from demos.studies.accuracy.ladder import ladder
 from demos.studies.accuracy.rows import rows_of
+from demos.studies.accuracy.tables import table_lines
 from demos.studies.accuracy.walk_case import walk_case
 from shellform.accuracy import measured
 from shellform.accuracy.choice import LEADING, WORDS, choose
-from shellform.accuracy.error_law import cheapest, front
+from shellform.accuracy.convergence import cheapest, pareto_front
 from shellform.console import parse, positive, run, say
 from shellform.results.files import write_atomically
 from shellform.results.report import Report
@@ -64,7 +64,7 @@ def arguments(given):
     parser.add_argument("--write", action="store_true", help="keep the table for --accuracy")
     parser.add_argument("--held-out", action="store_true", help="scenes not used for the fit")
     parser.add_argument("--table", action="store_true", help="print what was measured, run nothing")
-    parser.add_argument("--out", type=Path, default=Path("out/trade_off"))
+    parser.add_argument("--out", type=Path, default=Path("out/accuracy"))
     return parse(parser, given)
 
 
@@ -92,7 +92,7 @@ def keep(rows, names):
     speed = measured.machine()
     machine = [{"case": name, "kind": "machine", "core_seconds": speed} for name in names]
     write_atomically(path, table_text([*before, *machine, *rows], measured.COLUMNS))
-    for cached in (measured.read, measured.laws, measured.cost):
+    for cached in (measured.read, measured.power_laws, measured.cost):
         cached.cache_clear()
 
 
@@ -148,7 +148,7 @@ def draw(path, rows, names):
             colour, mark = f"C{quantities.index(quantity)}", "os^D"[families.index(family)]
             x, y = [r["core_seconds"] for r in some], [r["error"] for r in some]
             axes.loglog(x, y, mark, color=colour, ms=5, mfc="none", label=f"{quantity}, {family}")
-        best = front(leading(rows, name))
+        best = pareto_front(leading(rows, name))
         x, y = [r["core_seconds"] for r in best], [r["error"] for r in best]
         axes.loglog(x, y, "k-", lw=1)
         doubt = best[0]["uncertainty"]
@@ -165,9 +165,9 @@ def draw(path, rows, names):
 def main(given=None):
     options = arguments(given)
     if options.table:
-        say(trade_readme.lines())
+        say(table_lines())
         return
-    report = Report(options.out, "trade_off", vars(options), COMM)
+    report = Report(options.out, "accuracy study", vars(options), COMM)
     if options.held_out:
         held_out(options, report)
         return
@@ -189,12 +189,12 @@ def main(given=None):
         left -= COMM.bcast(time.perf_counter() - start)
         total -= SHARES[name]
         if COMM.rank == 0:
-            write_atomically(options.out / "trade.csv", table_text(rows, COLUMNS))
+            write_atomically(options.out / "error_and_cost.csv", table_text(rows, COLUMNS))
     if not done:
         raise ValueError(f"no setting of {', '.join(names)} was run: give a larger --budget")
 
     # ## Tables, picture, and what is kept
-    best = {name: front(leading(rows, name)) for name in done}
+    best = {name: pareto_front(leading(rows, name)) for name in done}
     within = {
         name: {
             f"{100 * error:g} %": row and short(row)
@@ -210,14 +210,14 @@ def main(given=None):
     if COMM.rank == 0:
         tell(rows, done)
         with report.stage("output"):
-            draw(options.out / "trade.png", rows, done)
+            draw(options.out / "error_and_cost.png", rows, done)
         if options.write:
             write(rows, names, whole)
             results["words"] = {name: words(name) for name in done}
     COMM.Barrier()
     report.summary |= {"plan": {}, "cells": None, "nodes": None, "dofs": None}
     report.write(results, steps=sum(int(row["steps"]) for row in rows), newton_iterations=0)
-    say([f"wrote {options.out}/trade.csv, trade.png, summary.json"])
+    say([f"wrote {options.out}/error_and_cost.csv, error_and_cost.png, summary.json"])
 
 
 def write(rows, names, whole):

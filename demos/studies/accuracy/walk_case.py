@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The walk in the trade between error and cost: level walking in compliant trousers.
+"""The walk of the study of error against cost: level walking in compliant trousers.
 
 Folds choose among many states, so two runs that differ by next to nothing end up with folds of
 their own. Other starts are runs, dressed anew, with a belt of a tension 0.1 % away: what these
@@ -17,12 +17,12 @@ import numpy as np
 
 from demos.studies.accuracy.cases import MESH, Case
 from shellform.accuracy.choice import garment_length
+from shellform.material.card import fabric_of
 from shellform.results.joint_torque import rows_until
 from shellform.scene.parts import Garment, Motion, Output, Steps
 from shellform.scene.scene import Scene
-from shellform.scene.wearer import fabric
-from shellform.simulation import run as activity
 from shellform.simulation.error_study import curves
+from shellform.simulation.run import run
 from shellform.simulation.summary import summary_of
 
 COMM = MPI.COMM_WORLD
@@ -33,15 +33,15 @@ FIRST = 0.035  # m, cells of the runs that change something else
 def walk_case(folder, sizes=(0.04, FIRST, 0.0245, 0.02, 0.0175), seconds=SECONDS):
     """Case of the walk; runs leave their files in `folder`."""
     folder = Path(folder) / "walk"
-    length = garment_length(fabric(Scene(fabric="compliant")))
+    length = garment_length(fabric_of("compliant"))
 
-    def run(settings):
+    def run_with(settings):
         size = settings["cell_size"]
         scene = scene_of(settings, seconds)
         name = settings.get("name", settings["kind"]).replace(" ", "_")
         out = folder / f"{name}_{settings.get('start', 0)}_{1e3 * size:g}_mm"
         start = time.process_time()
-        activity.run(scene, out, COMM)
+        run(scene, out, COMM)
         spent = COMM.allreduce(time.process_time() - start)
         COMM.Barrier()  # rank 0's files are there
         summary = summary_of(out)
@@ -64,12 +64,12 @@ def walk_case(folder, sizes=(0.04, FIRST, 0.0245, 0.02, 0.0175), seconds=SECONDS
         first | {"kind": "trick", "name": "dressed by particles", "dressing": "particles"},
         first | {"kind": "trick", "name": "mass 4", "mass": 4.0},
     ]
-    return Case("walk", ladder, run, length)
+    return Case("walk", ladder, run_with, length)
 
 
 def scene_of(settings, seconds):
     """Scene of the settings of a run."""
-    mass, cloth = settings.get("mass", 1.0), fabric(Scene(fabric="compliant"))
+    mass, cloth = settings.get("mass", 1.0), fabric_of("compliant")
     return Scene(
         fabric=replace(cloth, areal_mass=mass * cloth.areal_mass),
         gravity=9.81 / mass,

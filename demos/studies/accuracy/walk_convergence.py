@@ -23,7 +23,7 @@ from shellform.results.joint_torque import rows_until
 from shellform.results.report import Report
 from shellform.scene.parts import Garment, Motion, Output, Steps
 from shellform.scene.scene import Scene
-from shellform.simulation import run as activity
+from shellform.simulation.run import run
 from shellform.simulation.summary import summary_of
 
 COMM = MPI.COMM_WORLD
@@ -54,13 +54,13 @@ def main(given=None):
     coarse, first = max(options.cell_sizes), options.factors[0]
     runs = [(size, first) for size in sorted(options.cell_sizes)]
     runs += [(coarse, factor) for factor in sorted(options.factors[1:])]
-    cost = {run: run[0] ** -3 / run[1] for run in runs}
+    cost = {(size, factor): size**-3 / factor for size, factor in runs}
     load, mine = np.zeros(COMM.size), []
-    for run in sorted(runs, key=cost.get, reverse=True):
+    for level in sorted(runs, key=cost.get, reverse=True):
         rank = int(load.argmin())
-        load[rank] += cost[run]
+        load[rank] += cost[level]
         if rank == COMM.rank:
-            mine.append(run)
+            mine.append(level)
     results = {}
     with report.stage("solve"):
         for size, factor in mine:
@@ -73,9 +73,9 @@ def main(given=None):
                 title=f"cells of {1e3 * size:g} mm, {factor:g} of the stable step",
             )
             folder = options.out / f"cells_{1e3 * size:g}_step_{factor:g}"
-            activity.run(scene, folder, MPI.COMM_SELF)
+            run(scene, folder, MPI.COMM_SELF)
             results[size, factor] = summary_of(folder)
-    results = {run: part[run] for part in COMM.allgather(results) for run in part}
+    results = {level: part[level] for part in COMM.allgather(results) for level in part}
     if COMM.rank:
         return
 
@@ -95,15 +95,15 @@ def main(given=None):
     finer = [(coarse, factor) for factor in sorted(options.factors, reverse=True)]
     for joint in options.joints:
         for chain in (levels, finer):
-            for run, after in zip(chain, [*chain[1:], None], strict=True):
-                summary, part = results[run], results[run]["results"]["joints"][joint]
+            for level, after in zip(chain, [*chain[1:], None], strict=True):
+                summary, part = results[level], results[level]["results"]["joints"][joint]
                 difference = ""
                 if after:
-                    torque, reference = curves[*run, joint], curves[*after, joint]
+                    torque, reference = curves[*level, joint], curves[*after, joint]
                     other = np.interp(torque[0], *reference)
                     difference = f"{np.sqrt(np.mean((torque[1] - other) ** 2)):.4g}"
                 table.append(
-                    f"{joint},{run[0]:g},{run[1]:g},{summary['nodes']},{summary['steps']},"
+                    f"{joint},{level[0]:g},{level[1]:g},{summary['nodes']},{summary['steps']},"
                     f"{summary['seconds']['total']:.4g},{part['rms_torque']:.4g},"
                     f"{part['peak_torque']:.4g},{part['work']:.4g},{difference}"
                 )

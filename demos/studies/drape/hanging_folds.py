@@ -156,7 +156,7 @@ def pushed(membrane, cells, steps, gather=GATHER, factor=0.9, damping=0.0):
     # waves of one cell too, the same on any number of ranks
     noise = 1e-3 * np.random.default_rng(1).standard_normal(len(shell.surface.points))
     stepper.v[:, 1] = noise[shell.partition.owned_nodes]
-    ledger = Ledger(None, stepper)
+    ledger = stepper.add(Ledger())
     out = {"steps": 0, "seconds": 0.0, "kinetic": None, "strain": None, "gained": None}
     try:
         stepper.advance(1.2)

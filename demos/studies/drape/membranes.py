@@ -8,8 +8,7 @@ sheet pushed together, where a membrane that buckles below the grid would break 
 
 import numpy as np
 
-from demos.studies.drape import hanging_folds
-from demos.studies.drape import square as draped_square
+from demos.studies.drape import hanging_folds, square
 from demos.studies.drape.figures import COST, draw_membrane, print_table, write_table
 from demos.studies.drape.hanging_folds import Curtain
 from demos.studies.drape.square import numbers
@@ -31,7 +30,7 @@ def membrane(options, report):
 
     def one(**settings):
         if not curtain:
-            runs = [draped_square.row(options, start=k, **settings) for k in range(options.starts)]
+            runs = [square.row(options, start=k, **settings) for k in range(options.starts)]
             return merged(runs, keys)
         settings = {"drag": options.drag, "seconds": options.seconds} | settings
         return settings | hanging_folds.run(Curtain(**settings))

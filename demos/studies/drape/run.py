@@ -23,7 +23,7 @@ from mpi4py import MPI
 
 import numpy as np
 
-from demos.studies.drape import square as draped_square
+from demos.studies.drape import square
 from demos.studies.drape.figures import (
     COST,
     draw_methods,
@@ -38,7 +38,7 @@ from shellform.results.report import Report
 
 COMM = MPI.COMM_WORLD
 LEADING = ["height", "corner_z", "force_up", "strain"]
-# published with their settings in the notes on other simulators: the same scene, pinned at a corner
+# measured once with the versions and settings named: the same scene, pinned at a corner
 OTHERS = [
     {"method": "MuJoCo 4.0.0, discrete, 1 ms", "cells": 20, "height": -0.2407, "force_up": 1.606},
     {"method": "MuJoCo 4.0.0, discrete, 0.5 ms", "cells": 20, "height": -0.2431, "force_up": 1.680},
@@ -56,7 +56,7 @@ def arguments(given):
     positive = console.positive
     studies = parser.add_subparsers(dest="study", required=True)
     for name, function, cells in STUDIES:
-        sub = studies.add_parser(name, allow_abbrev=False, help=function.__doc__)
+        sub = studies.add_parser(name, allow_abbrev=False, help=function.__doc__.replace("%", "%%"))
         sub.set_defaults(function=function, default_cells=cells)
         # the other simulators were run for 2 s with little drag
         drag, seconds = (0.5, 2.0) if name == "methods" else (3.0, 3.0)
@@ -79,8 +79,8 @@ def arguments(given):
     options.cells = options.cells or ([4, 6, 8] if options.quick else options.default_cells)
     if options.quick:
         options.seconds = min(options.seconds, 0.25)
-    if options.seconds <= draped_square.WINDOW:
-        parser.error(f"--seconds must be longer than the {draped_square.WINDOW} s of the means")
+    if options.seconds <= square.WINDOW:
+        parser.error(f"--seconds must be longer than the {square.WINDOW} s of the means")
     return options
 
 
@@ -90,7 +90,7 @@ def refinement(options, report):
     cloth = {"bending": options.bending, "damping": options.damping}
     for n in console.progress(options.cells, len(options.cells), "meshes"):
         few = options.starts if n <= 32 else 1
-        runs = [draped_square.row(options, cells=n, start=k, **cloth) for k in range(few)]
+        runs = [square.row(options, cells=n, start=k, **cloth) for k in range(few)]
         row = {"cells": n, "starts": few} | {k: np.mean([r[k] for r in runs]) for k in LEADING}
         for key in LEADING:
             row[f"{key}_spread"] = np.ptp([r[key] for r in runs]) / 2 if few > 1 else np.nan
@@ -98,7 +98,7 @@ def refinement(options, report):
         if n in options.cells[1:3]:
             steps.append(runs[0])
             for factor in (0.45, 0.225):
-                steps.append(draped_square.row(options, cells=n, factor=factor, **cloth))
+                steps.append(square.row(options, cells=n, factor=factor, **cloth))
     spread = [f"{k}_spread" for k in LEADING]
     columns = ["cells", "starts", *[k for pair in zip(LEADING, spread, strict=True) for k in pair]]
     print_table("Meshes, means over the starts", rows, [*columns, "folds", "kinetic", *COST])
@@ -110,7 +110,7 @@ def refinement(options, report):
     write_table(options.out / "orders.csv", verdicts)
     write_table(options.out / "time_steps.csv", steps)
     draw_refinement(options.out / "refinement.png", rows, steps, LEADING)
-    report.write({"meshes": rows, "orders": verdicts, "time_steps": draped_square.numbers(steps)})
+    report.write({"meshes": rows, "orders": verdicts, "time_steps": square.numbers(steps)})
 
 
 def verdict(rows, key):
@@ -148,15 +148,15 @@ def starts(options, report):
     for pinned in (True, False):
         for n in console.progress(options.cells, len(options.cells), "meshes"):
             for k in range(1, options.starts + 1):
-                rows.append(draped_square.row(options, cells=n, pinned=pinned, start=k))
+                rows.append(square.row(options, cells=n, pinned=pinned, start=k))
         mine = [row for row in rows if row["pinned"] == pinned]
         rims = [row["rim"] for row in mine]
-        for row, state in zip(mine, draped_square.states(rims, pinned), strict=True):
+        for row, state in zip(mine, square.states(rims, pinned), strict=True):
             row["state"] = int(state)
         for n in options.cells:
             runs = [row for row in mine if row["cells"] == n]
             gaps = [
-                draped_square.difference(a["rim"], b["rim"], pinned)
+                square.difference(a["rim"], b["rim"], pinned)
                 for i, a in enumerate(runs)
                 for b in runs[:i]
             ]
@@ -173,20 +173,20 @@ def starts(options, report):
     write_table(options.out / "starts.csv", rows)
     write_table(options.out / "spread.csv", groups)
     draw_starts(options.out / "starts.png", rows, options.cells)
-    report.write({"runs": draped_square.numbers(rows), "spread": groups})
+    report.write({"runs": square.numbers(rows), "spread": groups})
 
 
 def methods(options, report):
     """One drape by every method; implicit steps, the dearest, on the first mesh only."""
     first, rows = options.cells[0], []
     for n in console.progress(options.cells, len(options.cells), "meshes"):
-        rows.append(draped_square.row(options, {"method": "shell, explicit"}, cells=n))
+        rows.append(square.row(options, {"method": "shell, explicit"}, cells=n))
         if n == first:
             label = {"method": "shell, implicit"}
-            rows.append(draped_square.row(options, label, cells=n, model="implicit", factor=4.0))
+            rows.append(square.row(options, label, cells=n, model="implicit", factor=4.0))
         if COMM.size == 1:
             label = {"method": "particles"}
-            rows.append(draped_square.row(options, label, cells=n, model="particles"))
+            rows.append(square.row(options, label, cells=n, model="particles"))
     if COMM.rank == 0 and COMM.size > 1:
         print("particles are left out: they run on one rank only")
     others = [row | {"source": "other simulator"} for row in OTHERS]
@@ -195,7 +195,7 @@ def methods(options, report):
     print_table("Methods", [*rows, *others], columns)
     write_table(options.out / "methods.csv", [*rows, *others])
     draw_methods(options.out / "methods.png", [row for row in rows if row["cells"] == first])
-    report.write({"runs": draped_square.numbers(rows), "others": others})
+    report.write({"runs": square.numbers(rows), "others": others})
 
 
 STUDIES = (

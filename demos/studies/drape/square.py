@@ -17,7 +17,7 @@ import numpy as np
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
 
@@ -91,18 +91,17 @@ def build(scene):
     shell.loads.gravity((0.0, 0.0, -G))
     body = Body([Segment("body", [RADIUS] * 3, Fixed(CENTRE))])
     if scene.model == "implicit":
-        from shellform.contact_coupling.implicit_contact import ImplicitTouch
         from shellform.dynamics.implicit import ImplicitNewmark
 
         stepper = ImplicitNewmark(shell, 1e-3 * scene.factor, alpha=-0.1, drag=scene.drag)
-        touch = ImplicitTouch(stepper, body, FRICTION)
+        touch = stepper.add(Contact(body, FRICTION))
     else:
         if scene.model == "particles":
             from shellform.dynamics.mass_spring import Particles as Model
         else:
             Model = Newmark
         stepper = Model(shell, scene.factor, damping=scene.damping, drag=scene.drag)
-        touch = Touch(stepper, body, FRICTION)
+        touch = stepper.add(Contact(body, FRICTION))
     free = ~shell.supports.held[: stepper.n_owned, 2]
     stepper.v[free, 2] = push(stepper.points, scene.start)[free]
     return stepper, touch
@@ -116,8 +115,8 @@ def run(scene):
     dict: forces [N] and strain energy [J] are means over the last 0.2 s; `positions`, `directors`,
     `quads` and `rim` (RIM, 3) are arrays, all else numbers for a table
     """
-    stepper, touch = build(scene)
-    shell, ledger = stepper.shell, Ledger(None, stepper, touch)
+    stepper, _ = build(scene)
+    shell, ledger = stepper.shell, stepper.add(Ledger())
     stepper.advance(stepper.dt)  # compiles what is compiled when first used
     start, done = time.process_time(), stepper.steps
     stepper.advance(scene.seconds - WINDOW)

@@ -13,8 +13,8 @@ met; `degrades` names what is lost; `refused` gives the sentence a user reads.
 import numpy as np
 
 from contact.body.segments import Body, Fixed, Segment, Steady
-from contact.solver.velocity_correction import Correction
-from demos.studies.extremes import captures as extremes_of_captures
+from contact.solver.velocity_correction import VelocityCorrection
+from demos.studies.extremes import captures
 from demos.studies.extremes.body_cases import (
     CLOTH,
     closing,
@@ -87,7 +87,7 @@ def shapes():
 
         def caught(r=radius, k=samples):
             out = over_rod(r, k)
-            figure = out["told"][0] if out["told"] else "held"
+            figure = out["notes"][0] if out["notes"] else "held"
             return (
                 "converges" if out["caught"] else "degrades: passes between the nodes, told"
             ), figure
@@ -195,7 +195,7 @@ def numbers():
 
     def one(x=0.1001, v=-1.0, mass=None, dt=1e-3, **options):
         v, masses = np.array([[0.0, 0.0, v]]), np.array([1.0 if mass is None else mass])
-        correction = Correction(body, 1, **options)
+        correction = VelocityCorrection(body, 1, **options)
         correction(np.array([[0.0, 0.0, x]]), v, masses, dt, 0.0)
         if not (np.isfinite(v).all() and np.isfinite(correction.last.impulse).all()):
             return "degrades: not a number, untold", "-"
@@ -217,7 +217,7 @@ def numbers():
 def rows():
     """Rows (direction, value, verdict, figure) of this table and that of captures."""
     out = []
-    for part in (speeds, frictions, shapes, motions, starts, numbers, extremes_of_captures.rows):
+    for part in (speeds, frictions, shapes, motions, starts, numbers, captures.rows):
         out += part()
     return out
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Points and patches of cloth that meet bodies under extreme conditions; see extremes_of_bodies.py.
+"""Points and patches of cloth that meet bodies under extreme conditions; see bodies.py.
 
-Points of mass meet a body by `contact.Correction`, a patch of cloth by `Touch` and `ImplicitTouch`.
+Points of mass meet a body by `VelocityCorrection`, a patch of cloth by `Contact` under explicit
+and implicit steps.
 What is measured: momentum changed but not booked, the deepest point at the end, the growth of
 energy in each contact, slip against its closed form.
 """
@@ -12,10 +13,9 @@ import meshes
 from contact.body.segments import Body, Fixed, Segment, turned
 from contact.geometry.ellipsoid import closest_points
 from contact.solver.cell_samples import too_thin
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell
-from shellform.contact_coupling.explicit_contact import Touch
-from shellform.contact_coupling.implicit_contact import ImplicitTouch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.results.ledger import Ledger
@@ -44,7 +44,7 @@ def points_on(body, x, v, dt, steps, friction=0.3, pull=(0.0, 0.0, 0.0), **optio
     correction
     """
     mass, growth, momentum, met = np.ones(len(x)), -np.inf, 0.0, 0
-    correction = Correction(body, len(x), friction, **options)
+    correction = VelocityCorrection(body, len(x), friction, **options)
     for step in range(steps):
         old = v.copy()
         v += dt * np.asarray(pull)
@@ -137,10 +137,8 @@ def patch(side=0.1, cells=6, height=0.01, gravity=G, factor=0.9, dt=None, **opti
 
 def cloth_on(stepper, body, seconds, friction=0.3, **options):
     """Cloth meets a body; what its ledger and its places say at the end."""
-    touch = (ImplicitTouch if isinstance(stepper, ImplicitNewmark) else Touch)(
-        stepper, body, friction, **options
-    )
-    ledger = Ledger(None, stepper, touch)
+    touch = stepper.add(Contact(body, friction, **options))
+    ledger = stepper.add(Ledger())
     first = ledger.record()
     stepper.advance(stepper.time + seconds)
     row, x = ledger.record(), stepper.shell.positions()
@@ -173,7 +171,7 @@ def over_rod(radius, samples, seconds=0.12):
     out = cloth_on(stepper, body, seconds, samples=samples)
     free = 0.01 - 0.5 * G * seconds**2
     out["caught"] = bool(out["points"][:, 2].max() > free + 1e-3)
-    out["told"] = too_thin(body.names, body.radii, 0.04, 0.5 * CLOTH["thickness"], samples)
+    out["notes"] = too_thin(body, 0.04, 0.5 * CLOTH["thickness"], samples)
     return out
 
 

@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from shellform.motion.capture.markers import Markers
-from shellform.motion.capture.noise import left_by_low_pass
+from shellform.motion.capture.noise import residual_noise
 from shellform.motion.capture.read_motion import read_markers, recording
 from shellform.motion.capture.segment_map import SegmentMap
 from shellform.motion.gait.synthetic_walk import synthetic_walk
@@ -101,13 +101,13 @@ def noisy(rms, seed=0):
 
 
 def noise_left(rms, cutoff=6.0):
-    """Noise of places [m] and of accelerations [m/s^2] in a recording, and what is foretold."""
+    """Noise of places [m] and of accelerations [m/s^2] in a recording, and what is predicted."""
     dirty, clean = read(spoilt(noisy(rms)), cutoff=cutoff), read(markers_of(walk()), cutoff=cutoff)
     error = np.concatenate([dirty.points[n] - clean.points[n] for n in clean.points], axis=1)
     bent = np.diff(error, 2, axis=0) * clean.rate**2
     inner = slice(40, -40)
     measured = [float(np.sqrt(np.mean(np.sum(e[inner] ** 2, axis=2)))) for e in (error, bent)]
-    return measured, left_by_low_pass(rms, clean.rate, cutoff), dirty
+    return measured, residual_noise(rms, clean.rate, cutoff), dirty
 
 
 def turning(angle):
@@ -157,7 +157,7 @@ def trc(path, markers, rate=None, frames=None, count=None, unit="m"):
 
 
 def rows():
-    """Rows (direction, value, verdict, figure), as in extremes_of_bodies.py."""
+    """Rows (direction, value, verdict, figure), as in bodies.py."""
     from demos.studies.extremes.bodies import row
 
     out = []
@@ -165,8 +165,8 @@ def rows():
     def against(markers, bar, cutoff=6.0):
         rec = read(markers, cutoff=cutoff)
         far = off(rec, read(markers_of(walk(2000.0)), cutoff=cutoff))
-        told = [n for n in rec.notes if any(w in n for w in ("jump", "filled", "shake"))]
-        said = f"joints within {1e3 * far:.2g} mm" + (f"; told: {told[0]}" if told else "")
+        notes = [n for n in rec.notes if any(w in n for w in ("jump", "filled", "shake"))]
+        said = f"joints within {1e3 * far:.2g} mm" + (f"; told: {notes[0]}" if notes else "")
         return ("converges" if far < bar else "degrades: joints off by more than 5 mm"), said
 
     for every, cutoff in ((1, 6.0), (20, 6.0), (100, 6.0), (200, 6.0), (200, 3.0), (200, None)):
@@ -186,8 +186,8 @@ def rows():
 
         def left(size=rms):
             (place, bent), _, rec = noise_left(size)
-            told = any("shake" in note for note in rec.notes)
-            far = f"{1e3 * place:.1f} mm, {bent:.1f} m/s^2 left" + (", told" if told else "")
+            noted = any("shake" in note for note in rec.notes)
+            far = f"{1e3 * place:.1f} mm, {bent:.1f} m/s^2 left" + (", told" if noted else "")
             return ("converges" if place < 1e-3 else "degrades: noise is left"), far
 
         out.append(row("noise of markers", f"{1e3 * rms:g} mm rms", left))

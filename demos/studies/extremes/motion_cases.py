@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Sheets in motion under extreme conditions with known answers; see extremes_of_sheets.py.
+"""Sheets in motion under extreme conditions with known answers; see sheets.py.
 
 - `tumbled`, free flight: momenta and energy are kept, and E, rho and L only set the units,
 - `spun`, a rigid turning, which strains by the centrifugal force alone,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Sheets under extreme conditions with known answers; see extremes_of_sheets.py.
+"""Sheets under extreme conditions with known answers; see sheets.py.
 
 Statics with an exact answer at any thickness, modulus, size and shape of cells; those that move are
 in sheets_in_motion.py:

@@ -42,14 +42,14 @@ ENERGY = 1e-3  # swing of the energy of central differences at 0.9 of the stable
 
 def row(direction, value, measure):
     """One row of strings; `measure` returns (good, figure), or refuses."""
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             good, figure = measure()
             verdict = "converges" if good is True else f"degrades: {good}"
         except REFUSALS as refusal:
             verdict, figure = f"refused: {refusal}", "-"
-    said = [str(one.message) for one in told if one.category is UserWarning]
+    said = [str(one.message) for one in caught if one.category is UserWarning]
     if said and not verdict.startswith("refused"):
         verdict += f", told: {said[0]}"
     return direction, value, verdict, figure

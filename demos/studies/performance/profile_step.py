@@ -6,7 +6,7 @@ r"""Where the time of an explicit step goes, and how far that is from what the m
     mpirun -n 2 python -m demos.studies.performance.profile_step         # with what ranks exchange
 
 prints microseconds a node and step and the share of every part, as a table, and leaves
-summary.json. The machine's two limits are measured beside: a triad a = b + s c for the traffic to
+summary.json. The machine's two limits are measured too: a triad a = b + s c for the traffic to
 memory, polynomials in vector registers for arithmetic. Against them stand the arrays that a step
 must touch at least once, and the operations of the force, counted by running its Python on numbers
 that count.
@@ -27,9 +27,10 @@ import numpy as np
 from demos.studies.drape.square import Scene as Drape
 from demos.studies.drape.square import build
 from shellform.console import parse, positive, run
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.explicit_contact import ExplicitContact
 from shellform.dynamics import explicit_kernels
 from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.external_force import ExternalForce
 from shellform.dynamics.time_stepper import Stepper
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.quad_kernel import add_force
@@ -38,15 +39,15 @@ from shellform.results.report import Report
 from shellform.results.skin_pressure import Pressure
 from shellform.scene.parts import Motion
 from shellform.scene.scene import Scene
-from shellform.simulation.model import Activity
+from shellform.simulation.model import Model
 
 COMM = MPI.COMM_WORLD
 GAP = 0.05  # between sheet and sphere there [m]
 PARTS = {  # part -> what is timed: (owner, name)
     "internal force": [(InternalForce, "__call__")],
-    "contact": [(Touch, "__call__")],
+    "contact": [(ExplicitContact, "__call__")],
     "nodal kernels": [(explicit_kernels, name) for name in ("kick", "book", "drift", "ahead")],
-    "loads, belt": [(Newmark, "_update_loads")],
+    "loads, belt": [(ExternalForce, "update")],
     "torque, pressure": [(Torque, "__call__"), (Pressure, "__call__")],
     "exchange among ranks": [(Stepper, "scatter")],
     "stable step": [(Newmark, "find_stable_step")],
@@ -77,9 +78,7 @@ class Meter:
                 outer[0][0] += took
                 self.seconds[part] += took - inner
                 self.calls[part] += 1
-                self.bytes[part] = self.bytes.get(part, 0) + sum(
-                    a.nbytes for a in given if isinstance(a, np.ndarray)
-                )
+                self.bytes[part] = self.bytes.get(part, 0) + bytes_of(given)
 
         return call
 
@@ -97,6 +96,13 @@ class Meter:
         finally:
             for owner, name, function in kept:
                 setattr(owner, name, function)
+
+
+def bytes_of(given):
+    """Bytes of all arrays among arguments, those in records of arrays included."""
+    if isinstance(given, np.ndarray):
+        return given.nbytes
+    return sum(map(bytes_of, given)) if isinstance(given, tuple) else 0
 
 
 def profile(stepper, until):
@@ -214,7 +220,7 @@ def traffic(stepper):
     meter = Meter()
     with meter.watching():
         stepper.advance(stepper.time + stepper.dt)
-    quads = sum(a.nbytes for a in stepper.internal._quads)
+    quads = sum(a.nbytes for a in stepper.force_model.internal._quads)
     nodal = meter.bytes["nodal kernels"]
     return (quads + 3 * stepper.owned.nbytes + nodal) / len(stepper.mass)
 
@@ -234,11 +240,11 @@ def drape(cells, damping, seconds):
 
 def walk():
     """Profile of a walk at draft, after dressing."""
-    activity = Activity(Scene(motion=Motion(end=1.6)), COMM)
-    activity.dress()
-    stepper = activity.stepper
-    Torque(activity.touch, stepper)  # these two hook themselves in
-    Pressure(activity.touch, stepper)
+    model = Model(Scene(motion=Motion(end=1.6)), COMM)
+    model.dress()
+    stepper = model.stepper
+    stepper.add(Torque())
+    stepper.add(Pressure())
     stepper.advance(0.6)
     return profile(stepper, 1.4), stepper
 
@@ -255,7 +261,7 @@ def table(columns):
     return lines
 
 
-def told(best, moved, counted):
+def table_lines(best, moved, counted):
     """Lines for a person on the machine's limits."""
     rate = best["operations"]
     lines = [
@@ -300,7 +306,7 @@ def main(given=None):
     report.write(results, steps=stepper.steps, newton_iterations=0)
     if COMM.rank == 0:
         print("\n".join(table(columns)))
-        print("\n".join(told(best, moved, counted)))
+        print("\n".join(table_lines(best, moved, counted)))
         print(f"wrote {options.out}/summary.json")
 
 

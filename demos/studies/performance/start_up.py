@@ -3,6 +3,7 @@
 
     python -m demos.studies.performance.start_up         # warm: what every later run takes
     python -m demos.studies.performance.start_up --cold  # and with empty caches
+    python -m demos.studies.performance.start_up --motion walk.c3d  # and a walk from a capture
 
 Every demo is run as a process of its own that ends where it would make its first step; warm figures
 are the better of two after one that fills the caches. One rank.
@@ -20,17 +21,8 @@ from mpi4py import MPI
 from shellform.console import parse, run
 from shellform.results.report import Report
 
-HERE = Path(__file__).resolve().parents[2]  # demos/
-DEMOS = {  # demo -> arguments
-    "roll_up": (),
-    "drape": (),
-    "strip_over_cylinder": (),
-    "capstan": (),
-    "hinge_sleeve": (),
-    "walk": (),
-    "walk --motion C3D": ("--motion", "{data}/biomechzoo_HC038A11.c3d"),
-}
-DATA = HERE.parents[1] / "shared" / "data"
+DEMOS = Path(__file__).resolve().parents[2]  # the folder
+NAMES = ("roll_up", "drape", "strip_over_cylinder", "capstan", "hinge_sleeve", "walk")
 # ends the process at the first step of any kind; the time before Python itself starts is not seen
 PROBE = """
 import time
@@ -62,11 +54,10 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 
 def seconds(demo, given, out, caches=None):
     """Seconds to the first step of a demo; ValueError with what it said if it makes none."""
-    environment = os.environ | {"PYTHONPATH": str(HERE.parent)}
+    environment = os.environ | {"PYTHONPATH": str(DEMOS.parent)}
     if caches:
         environment |= {"XDG_CACHE_HOME": str(caches), "NUMBA_CACHE_DIR": str(caches / "numba")}
-    given = [text.format(data=DATA) for text in given]
-    script = HERE / f"{demo.split()[0]}.py"
+    script = DEMOS / f"{demo}.py"
     done = subprocess.run(
         [sys.executable, "-c", PROBE, str(script), *given, "--out", str(out)],
         env=environment, capture_output=True, text=True, check=False,
@@ -77,29 +68,30 @@ def seconds(demo, given, out, caches=None):
     raise ValueError(f"{demo} made no step: {done.stderr.strip() or done.stdout.strip()}")
 
 
-def main(given=None):
+def main(arguments=None):
     parser = argparse.ArgumentParser(allow_abbrev=False, description=__doc__.split("\n")[0])
-    parser.add_argument("--demo", nargs="+", choices=DEMOS, help="these only")
+    parser.add_argument("--demo", nargs="+", choices=NAMES, default=NAMES, help="these only")
+    parser.add_argument("--motion", type=Path, help="a capture: C3D, TRC or CSV, for a second walk")
     parser.add_argument("--cold", action="store_true", help="with empty caches too")
     parser.add_argument("--out", type=Path, default=Path("out/start_up"))
-    options = parse(parser, given)
+    options = parse(parser, arguments)
     if MPI.COMM_WORLD.size > 1:
         parser.error("start-up is measured on one rank")
     report, rows = Report(options.out, "start_up", vars(options), MPI.COMM_WORLD), {}
-    names = options.demo or [
-        name for name, given in DEMOS.items() if not given or DATA.is_dir()
-    ]  # fmt: skip
+    demos = {name: (name, ()) for name in options.demo}
+    if options.motion:
+        demos[f"walk --motion {options.motion.name}"] = "walk", ("--motion", str(options.motion))
     print("| demo | warm [s] |" + (" cold [s] |" if options.cold else ""))
     print("|---|---|" + ("---|" if options.cold else ""))
     with tempfile.TemporaryDirectory() as folder, report.stage("solve"):
-        for name in names:
+        for name, (demo, given) in demos.items():
             out = Path(folder) / "out"
-            found = [seconds(name, DEMOS[name], out) for _ in range(3)]
+            found = [seconds(demo, given, out) for _ in range(3)]
             rows[name] = {"warm": min(found[1:])}
             line = f"| {name} | {rows[name]['warm']:.1f} |"
             if options.cold:
                 caches = Path(tempfile.mkdtemp(dir=folder))
-                rows[name]["cold"] = seconds(name, DEMOS[name], out, caches)
+                rows[name]["cold"] = seconds(demo, given, out, caches)
                 line += f" {rows[name]['cold']:.1f} |"
             print(line, flush=True)
     report.summary |= {"plan": {}, "cells": None, "nodes": None, "dofs": None}

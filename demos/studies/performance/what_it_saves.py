@@ -22,14 +22,13 @@ import numpy as np
 
 import meshes
 from contact.body.segments import Body, Fixed, Segment
-from contact.solver.velocity_correction import Correction
+from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell, Statics
 from shellform.console import parse, positive, run
-from shellform.contact_coupling.explicit_contact import Touch
+from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.internal_force import InternalForce
 from shellform.results.report import Report
-from shellform.simulation.plan import plan_of_run
 
 G = 9.81
 A = 1000.0 / (1 - 0.3**2) * np.array([[1, 0.3, 0], [0.3, 1, 0], [0, 0, 0.35]])
@@ -46,8 +45,8 @@ stepper = Newmark(Shell(meshes.rectangle(1.0, 1.0, (4, 4)), cloth))
 stepper.advance(stepper.dt)
 alone = time.perf_counter() - start
 from contact.body.segments import Body, Fixed, Segment
-from shellform.contact_coupling.explicit_contact import Touch
-Touch(stepper, Body([Segment("ball", (1.0, 1.0, 1.0), Fixed((0.0, 0.0, -1.1)))]))
+from shellform.contact_coupling.contact import Contact
+stepper.add(Contact(Body([Segment("ball", (1.0, 1.0, 1.0), Fixed((0.0, 0.0, -1.1)))])))
 stepper.advance(2 * stepper.dt)
 print(time.perf_counter() - start, alone)
 """
@@ -136,7 +135,7 @@ def corrections(cells, settings, above=0.0):
     x[:, 2] += above
 
     def correct(body, friction):
-        correction, now = Correction(body, len(x), friction), np.empty_like(v)
+        correction, now = VelocityCorrection(body, len(x), friction), np.empty_like(v)
 
         def call():
             for _ in range(20):
@@ -191,9 +190,9 @@ def pressure_map(cells):
     for mapped in (True, False):
         stepper = Newmark(sheet(cells), drag=5.0)
         body = Body([Segment("ball", (0.5, 0.5, 0.5), Fixed((0.0, 0.0, -0.5005)))])
-        touch = Touch(stepper, body)
+        stepper.add(Contact(body))
         if mapped:
-            Pressure(touch, stepper, 0.03)
+            stepper.add(Pressure(0.03))
         stepper.advance(0.1)
         steppers.append(stepper)
     return in_turns(*map(steps, steppers))
@@ -241,7 +240,7 @@ def fold_angle(cells, bending, seconds=1.5):
     stepper = Newmark(shell, damping=2e-4, drag=2.0)
     random = np.random.default_rng(0)
     stepper.owned[:, 2] += 1e-3 * random.uniform(-1, 1, stepper.n_owned)
-    Touch(stepper, Body([Segment("ball", (0.25,) * 3, Fixed((0.0, 0.0, -0.3)))]))
+    stepper.add(Contact(Body([Segment("ball", (0.25,) * 3, Fixed((0.0, 0.0, -0.3)))])))
     stepper.advance(seconds)
     points = shell.positions()[shell.surface.cells]
     normal = np.cross(points[:, 2] - points[:, 0], points[:, 3] - points[:, 1])
@@ -266,7 +265,7 @@ def main(given=None):
         raise ValueError("two things are timed side by side on one rank: leave mpirun out")
     report = Report(options.out, "what it saves", vars(options), MPI.COMM_WORLD)
     shell = sheet(options.cells)
-    report.describe(shell, **plan_of_run(shell))
+    report.describe(shell)
     rows = {}
     print(f"{'left out':28} {'of':22} {'with':>10} {'without':>10} {'ratio':>6}")
     for name, (measure, what) in THINGS.items():

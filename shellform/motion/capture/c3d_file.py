@@ -21,7 +21,7 @@ PATIENCE = 60  # s
 NO_PLACE_GROUPS = ("ANGLE", "FORCE", "MOMENT", "POWER", "SCALAR", "REACTION", "TORQUE")
 
 
-def read_c3d(path):
+def read_c3d(path: str | Path) -> Raw:
     """`Raw` of a C3D file: places only, NaN for gaps, unit and vertical as its parameters say.
 
     Raises
@@ -77,7 +77,7 @@ def read_c3d(path):
     return Raw(names, times, tracks[:, keep], rate, unit, _vertical(point), tuple(notes))
 
 
-def check_length(path):
+def check_length(path: str | Path) -> None:
     """Refuse a file shorter than its header says, before a library meets its end.
 
     The header's words: 2 points, 3 analog values a frame, 4 and 5 first and last frame, 7 and 8
@@ -105,7 +105,7 @@ def check_length(path):
         )
 
 
-def try_out(path):
+def try_out(path: str | Path) -> None:
     """Let a process of its own read the file first: the library crashes on some that are damaged.
 
     Raises

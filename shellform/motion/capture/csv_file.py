@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Marker positions from a CSV file."""
+"""Marker positions from a CSV file, as a spreadsheet or a script writes it.
+
+A line of names, then one line a frame. The first column is the time [s], then come three columns a
+marker, `name_x, name_y, name_z`; a unit may follow in brackets, `name_x [mm]`. Cells are separated
+by commas, semicolons or tabs; an empty cell is a gap. The rate follows from the times.
+"""
 
 import re
 from pathlib import Path
@@ -9,8 +14,8 @@ import numpy as np
 from .marker_table import Raw, even_times, numbers_of
 
 
-def read_csv(path):
-    """`Raw` of a CSV file, laid out as the module says."""
+def read_csv(path: str | Path) -> Raw:
+    """`Raw` of a CSV file; ValueError naming line, column and mend where it is malformed."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
@@ -26,9 +31,10 @@ def read_csv(path):
     head = [re.sub(r"\s*\[\w*\]\s*$", "", c) for c in head]
     names = []
     for k in range(1, len(head), 3):
-        found = [re.fullmatch(r"(.+?)[ _.:]([xyz])", c, re.IGNORECASE) for c in head[k : k + 3]]
-        said = "".join(m.group(2).lower() for m in found if m)
-        if said != "xyz" or len({m.group(1) for m in found}) != 1:
+        tries = [re.fullmatch(r"(.+?)[ _.:]([xyz])", c, re.IGNORECASE) for c in head[k : k + 3]]
+        found = [m for m in tries if m]
+        axes = "".join(m.group(2).lower() for m in found)
+        if axes != "xyz" or len({m.group(1) for m in found}) != 1:
             raise ValueError(
                 f"{path}: columns {k + 1} to {k + 3} are named {', '.join(head[k : k + 3])}; name "
                 "them name_x, name_y, name_z after a first column of times"

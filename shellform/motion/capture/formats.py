@@ -1,29 +1,51 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The reader of a marker file, by the ending of its name."""
+"""Which marker files are read: a table from the ending of a file's name to its reader.
 
+A new format is one file with a function `path -> Raw` and one entry below. What a file holds is
+checked by its reader; what all formats share is in marker_table.py. Readers whose library is not
+always installed import it when they are called, as c3d_file.py does with ezc3d.
+"""
+
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
+from .c3d_file import read_c3d
 from .csv_file import read_csv
-from .marker_table import named_once
+from .marker_table import Raw, named_once
 from .trc_file import read_trc
 
 
-def read_table(path):
-    """`Raw` of a file, by its ending.
+class Format(NamedTuple):
+    """A kind of marker file: its reader and, in one sentence, what is read of it."""
+
+    read: Callable[[Path], Raw]
+    content: str
+
+
+FORMATS = {
+    ".trc": Format(read_trc, "Motion Analysis and OpenSim: labels, rate and unit from the header."),
+    ".csv": Format(read_csv, "A line of names, a column of times, then x, y, z of each marker."),
+    ".c3d": Format(read_c3d, "Binary, by ezc3d: places, gaps, unit and vertical of group POINT."),
+}
+
+
+def read_table(path: str | Path) -> Raw:
+    """What a marker file holds, each label once, by the reader of its ending.
 
     Raises
     ------
     ValueError
-        One sentence naming file, place and mend.
+        One sentence naming file, place and mend: an ending that is not in `FORMATS`, a file that
+        is missing, cut off or malformed.
     ImportError
         When a C3D file is asked for and ezc3d is not installed.
     """
-    from .c3d_file import read_c3d  # it needs Raw from here
-
     path = Path(path)
-    readers = {".trc": read_trc, ".csv": read_csv, ".c3d": read_c3d}
-    if path.suffix.lower() not in readers:
-        raise ValueError(f"{path}: no marker file; .trc, .csv and .c3d are read")
+    form = FORMATS.get(path.suffix.lower())
+    if form is None:
+        *most, last = FORMATS
+        raise ValueError(f"{path}: no marker file; {', '.join(most)} and {last} are read")
     if not path.is_file():
         raise ValueError(f"{path}: no such file")
-    return named_once(readers[path.suffix.lower()](path), path)
+    return named_once(form.read(path), path)

@@ -6,18 +6,21 @@ Heel strike is where the heel is farthest in front of the pelvis (Zeni, Richards
 straight line, prolonged to an arc where the walker turns; on a treadmill the belt's way is added.
 """
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from scipy.signal import find_peaks
 
+from shellform.motion.proportions import LEG_OF_STATURE
 from shellform.motion.recording import SIDES
 
 SHORTEST = 0.5  # of two strikes of one foot [s]
 SWING = 0.25  # least reach between heel in front and heel behind that is a step [m]
 BELT = 0.3  # speed of a foot at rest above which the ground moves [m/s]
-LEG = (0.4222 + 0.4403) / 1.741  # thigh and shank over stature, men (de Leva, J. Biomech. 1996)
 
 
-def facts(times, points):
+def facts(times: np.ndarray, points: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """Facts of a walk; a key lacks where the motion does not tell.
 
     Parameters
@@ -33,18 +36,19 @@ def facts(times, points):
     last; "belt_speed" [m/s] on a treadmill; "stature" [m], from the legs; "events", pairs (name,
     time [s])
     """
-    out = {}
+    out: dict[str, Any] = {}
     lengths = {
         name: np.median(np.linalg.norm(t[:, 1] - t[:, 0], axis=1)) for name, t in points.items()
     }
     legs = [lengths[f"{s}_thigh"] + lengths[f"{s}_shank"] for s in SIDES if f"{s}_shank" in lengths]
     if legs:
-        out["stature"] = float(np.mean(legs) / LEG)
+        out["stature"] = float(np.mean(legs) / LEG_OF_STATURE)
     if "pelvis" not in points:
         return out
     pelvis = points["pelvis"]
     ahead = forward(pelvis)
-    angle = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    x, y = np.ascontiguousarray(ahead[:, :2].T)  # without gaps, see synthetic_walk.py
+    angle = np.unwrap(np.arctan2(y, x))
     out["heading"] = float(np.median(angle))
     heels = {
         s: points[f"{s}_foot"][:, 0] if f"{s}_foot" in points else points[f"{s}_shank"][:, 1]
@@ -76,13 +80,13 @@ def facts(times, points):
     return out
 
 
-def forward(pelvis):
+def forward(pelvis: np.ndarray) -> np.ndarray:
     """Horizontal direction (n, 3) from J1 to M of the pelvis."""
     ahead = (pelvis[:, 2] - pelvis[:, 0]) * [1.0, 1.0, 0.0]
     return ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
 
 
-def heel_strikes(times, heel, pelvis):
+def heel_strikes(times: np.ndarray, heel: np.ndarray, pelvis: np.ndarray) -> np.ndarray:
     """Frames of the heel strikes, by the rule above.
 
     Parameters
@@ -100,7 +104,7 @@ def heel_strikes(times, heel, pelvis):
     return find_peaks(reach, height=middle, prominence=0.2 * SWING, distance=apart)[0]
 
 
-def repetition(times, heels, pelvis):
+def repetition(times: np.ndarray, heels: Mapping[str, np.ndarray], pelvis: np.ndarray) -> int:
     """Frames after which the heels stand to the pelvis as before; 0 where no time between
     0.6 and 2 s does it to a quarter of their motion.
 
@@ -136,7 +140,9 @@ def _arc(half):
     return half / np.sin(half)
 
 
-def stride(times, heel, angle, a, b):
+def stride(
+    times: np.ndarray, heel: np.ndarray, angle: np.ndarray, a: int, b: int
+) -> tuple[float, float, float]:
     """Length [m], duration [s] and speed of the belt [m/s] of the stride from frame a to b.
 
     `angle` (n,) is the unwrapped heading [rad]. The foot is at rest from 12 to 28 % of the stride,

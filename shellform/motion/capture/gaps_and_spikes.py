@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Mending tracks of markers: gaps, spikes, noise. What is changed is said in notes."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
@@ -14,13 +16,15 @@ LASTING = 0.1  # from which on a jump that stays is not bridged [m]
 JERK = 5e3  # of limbs, not reached [m/s^3]: tells how far a way may be from an even one
 
 
-def runs(bad):
+def runs(bad: np.ndarray) -> list[tuple[int, int]]:
     """First and last + 1 of every run of True in bad (n,)."""
     edges = np.diff(np.concatenate([[False], bad, [False]]).astype(int))
     return list(zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)))
 
 
-def common_span(tracks):
+def common_span(
+    tracks: Mapping[str, np.ndarray],
+) -> tuple[int, int, tuple[str, ...], tuple[str, ...]]:
     """First and last + 1 frame in which all tracks are there, and who lacks before and after.
 
     Parameters
@@ -42,7 +46,9 @@ def common_span(tracks):
     return first, max(first, stop), early, late
 
 
-def filled(track, name, times, max_gap, source="markers"):
+def filled(
+    track: np.ndarray, name: str, times: np.ndarray, max_gap: float, source: str = "markers"
+) -> tuple[np.ndarray, list[str]]:
     """A track without gaps, by the cubic spline through all frames that are there.
 
     Parameters
@@ -83,7 +89,7 @@ def filled(track, name, times, max_gap, source="markers"):
     return out, notes
 
 
-def off_neighbours(track):
+def off_neighbours(track: np.ndarray) -> np.ndarray:
     """Distance (n,) [m] of each place from the cubic through two neighbours on either side.
 
     At the ends, where those lack, 0.
@@ -106,7 +112,7 @@ def _joined(bad, longest):
     return out
 
 
-def jump_over(track, first, stop, step):
+def jump_over(track: np.ndarray, first: int, stop: int, step: float) -> tuple[float, float]:
     """How far a track goes on aside of where it came from, over the frames first to before stop.
 
     The way from the three frames before to the three after is held against that of a motion whose
@@ -125,7 +131,9 @@ def jump_over(track, first, stop, step):
     return float(np.linalg.norm(way - between * speed)), JERK * between**3 / 12
 
 
-def without_spikes(track, name, times, max_gap, source="markers"):
+def without_spikes(
+    track: np.ndarray, name: str, times: np.ndarray, max_gap: float, source: str = "markers"
+) -> tuple[np.ndarray, list[str]]:
     """A track whose frames far from their neighbours are replaced by the spline through the rest.
 
     A frame is a spike when it stands off the cubic through its neighbours by 10 mm, by 12 times the
@@ -189,7 +197,7 @@ def without_spikes(track, name, times, max_gap, source="markers"):
     return out, notes
 
 
-def low_pass(track, rate, cutoff):
+def low_pass(track: np.ndarray, rate: float, cutoff: float) -> np.ndarray:
     """A track without what is faster than `cutoff`, not shifted in time.
 
     A Butterworth filter of order 2 forward and back, its cutoff raised by 1/0.802 so that both
@@ -206,7 +214,7 @@ def low_pass(track, rate, cutoff):
     return sosfiltfilt(sections, track, axis=0, padlen=pad)
 
 
-def rigid_legs(points):
+def rigid_legs(points: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], float]:
     """Knees and ankles moved as little as it takes for thighs and shanks of constant length.
 
     Skin slides over the joints by some mm, bones do not stretch. The lengths are the medians; the

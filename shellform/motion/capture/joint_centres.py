@@ -14,7 +14,12 @@ runs outward as b to c does, the front of the pelvis. With three markers of a cl
 fixed in the cluster, at the mean direction over the capture, so that it turns with the limb.
 """
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
+
+Rule = Mapping[str, Any]
 
 NARROW = 0.01  # a cluster that stands off a line by less does not tell its turn about it [m]
 
@@ -28,8 +33,8 @@ RULES = {
 }
 
 
-def references(rule, split=False):
-    """Names of the markers and points a rule uses; with `split`: needed and merely wished for."""
+def references(rule: Rule) -> tuple[list[str], list[str]]:
+    """Names of the markers and points that a rule needs, and of those it uses where they are."""
     if "same" in rule:
         names = _texts([rule["same"]], 1, "same")
     elif "midpoint" in rule:
@@ -45,8 +50,7 @@ def references(rule, split=False):
         names = [*names, *_texts(rule["across"], 2, "across")]
     if "by" in rule and not (isinstance(rule["by"], (int, float)) and 0 < rule["by"] < 1):
         raise ValueError(f"by is a length in metres, not {rule['by']!r}")
-    wished = _texts(rule["cluster"], None, "cluster") if rule.get("cluster") else []
-    return (names, wished) if split else [*names, *wished]
+    return names, _texts(rule["cluster"], None, "cluster") if rule.get("cluster") else []
 
 
 def _texts(value, count, key):
@@ -57,7 +61,7 @@ def _texts(value, count, key):
     return value
 
 
-def point(rule, at):
+def point(rule: Rule, at: Mapping[str, np.ndarray]) -> np.ndarray:
     """Track (n, 3) of a point [m] by its rule, from the tracks `at` by name."""
     if "same" in rule:
         return at[rule["same"]]
@@ -74,7 +78,9 @@ def point(rule, at):
     return inward(at[rule["inward"]], at[rule["proximal"]], end - start, rule["by"], cluster)
 
 
-def hip_centre(right_asis, left_asis, back, side):
+def hip_centre(
+    right_asis: np.ndarray, left_asis: np.ndarray, back: np.ndarray, side: str
+) -> np.ndarray:
     """Centre of a hip by the regression on the pelvis' width PW and depth PD.
 
     From the middle of the ASIS, in mm: 0.24 PD + 9.9 backward, 0.30 PW + 10.9 downward,
@@ -103,7 +109,13 @@ def hip_centre(right_asis, left_asis, back, side):
     )
 
 
-def inward(lateral, proximal, axis, by, cluster=()):
+def inward(
+    lateral: np.ndarray,
+    proximal: np.ndarray,
+    axis: np.ndarray,
+    by: float,
+    cluster: Sequence[np.ndarray] = (),
+) -> np.ndarray:
     """Joint centre inward of a lateral marker, by the chord rule.
 
     Parameters
@@ -127,13 +139,13 @@ def inward(lateral, proximal, axis, by, cluster=()):
     return lateral + by * (share * up - np.sqrt(np.maximum(1 - share**2, 0)) * outward)
 
 
-def breadth(cluster):
+def breadth(cluster: np.ndarray) -> float:
     """How far the markers (n, k, 3) of a cluster stand off a line, median over the frames [m]."""
     shape = cluster - cluster.mean(axis=1, keepdims=True)
     return float(np.median(np.linalg.svd(shape, compute_uv=False)[:, 1]))
 
 
-def fixed_in(cluster, axis):
+def fixed_in(cluster: np.ndarray, axis: np.ndarray) -> np.ndarray:
     """The direction fixed in a cluster that follows `axis` best, as directions (n, 3).
 
     The cluster's turn against its first frame is the best rotation in the sense of least squares

@@ -6,15 +6,17 @@ the next one; a segment that cannot be had is left out where the map allows it.
 """
 
 import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 
 from .joint_centres import references
-from .markers import plain
+from .markers import Markers, plain
 from .segment_map import SHIPPED, SegmentMap, segment_map
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class FittedMap:
     """A map set to the labels of one capture.
 
     Parameters
@@ -33,9 +35,9 @@ class Plan:
     notes: tuple = ()
 
 
-def labels_on_body(names):
+def labels_on_body(names: Iterable[str]) -> dict[str, str]:
     """Dict label -> place on the body, for those labels that the shipped maps know."""
-    known = {}
+    known: dict[str, str] = {}
     for name in SHIPPED:
         for place, labels in segment_map(name).markers.items():
             for label in labels:
@@ -43,7 +45,7 @@ def labels_on_body(names):
     return {name: known[plain(name)] for name in names if plain(name) in known}
 
 
-def plan(map, markers):
+def fit_map(map: SegmentMap, markers: Markers) -> FittedMap:
     """Set a map to a capture; what a rule lacks sends it to the next rule.
 
     Parameters
@@ -76,7 +78,7 @@ def plan(map, markers):
         if name not in lacking:
             tries = []
             for rule in map.points[name]:
-                needed, wished = references(rule, split=True)
+                needed, wished = references(rule)
                 lacks = tuple(m for point in needed for m in ready(point))
                 if not lacks:
                     have = [point for point in wished if not ready(point)]
@@ -96,7 +98,7 @@ def plan(map, markers):
         else:
             raise ValueError(_lack(map, key, lacks[0], markers))
     needed = _closure(segments, rules)
-    return Plan(
+    return FittedMap(
         map,
         {k: v for k, v in used.items() if k in needed},
         {k: v for k, v in rules.items() if k in needed},
@@ -111,7 +113,7 @@ def _closure(segments, rules):
         name = todo.pop()
         if name not in out:
             out.add(name)
-            todo += references(rules[name]) if name in rules else []
+            todo += chain(*references(rules[name])) if name in rules else ()
     return out
 
 
@@ -134,7 +136,7 @@ def _lack(map, segment, marker, markers):
     )
 
 
-def choose_map(markers):
+def choose_map(markers: Markers) -> SegmentMap:
     """The first shipped map whose markers are all there.
 
     Raises
@@ -145,7 +147,7 @@ def choose_map(markers):
     lacks = []
     for name in SHIPPED:
         try:
-            plan(segment_map(name), markers)
+            fit_map(segment_map(name), markers)
         except ValueError as error:
             lacks.append(str(error).removeprefix(f"{markers.source}: ").split("; rename")[0])
         else:

@@ -1,6 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What every marker file becomes: labels, times, positions; and the checks all of them share."""
+"""The table that every marker file becomes, and the checks that all formats share.
 
+A reader makes a `Raw` of labels, times and positions and interprets nothing but the layout: gaps
+are NaN, units and vertical are only what the file says of them. Here are the parts it is made with:
+numbers in cells, times on an even grid, every label once.
+"""
+
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -10,22 +16,23 @@ ROUNDED = 0.25  # of a frame, how far rounded times lie off their even grid
 
 
 class Raw(NamedTuple):
-    """What a file holds: labels, times (n,) [s], positions (n, m, 3) in its unit, rate [Hz]."""
+    """What a file holds.
 
-    names: tuple
+    names : m labels; times : (n,) [s]; positions : (n, m, 3) in its unit, NaN for gaps; rate [Hz]
+    unit : as the file spells it, or None; up : "x", "-x", ... the axis it calls vertical, or None
+    notes : what was found and repaired on the way
+    """
+
+    names: tuple[str, ...]
     times: np.ndarray
     positions: np.ndarray
     rate: float
     unit: str | None = None
     up: str | None = None
-    notes: tuple = ()
+    notes: tuple[str, ...] = ()
 
 
-def cells_of(line):
-    return [c.strip() for c in (line.split("\t") if "\t" in line else line.split())]
-
-
-def number_of(cell):
+def number_of(cell: str) -> float | None:
     """The number in a cell, NaN for a gap, None for anything else, infinity too."""
     try:
         number = float(cell)
@@ -34,18 +41,23 @@ def number_of(cell):
     return None if np.isinf(number) else number
 
 
-def numbers_of(cells, path, line):
-    out = [number_of(c) for c in cells]
-    if None in out:
-        k = out.index(None)
-        raise ValueError(
-            f"{path}: line {line}, column {k + 1} holds {cells[k]!r}, no number; write numbers "
-            "with a point and leave a missing one empty"
-        )
+def numbers_of(cells: list[str], path: str | Path, line: int) -> list[float]:
+    """Numbers in the cells of a line; ValueError naming line and column of what is none."""
+    out = []
+    for column, cell in enumerate(cells, 1):
+        number = number_of(cell)
+        if number is None:
+            raise ValueError(
+                f"{path}: line {line}, column {column} holds {cell!r}, no number; write numbers "
+                "with a point and leave a missing one empty"
+            )
+        out.append(number)
     return out
 
 
-def even_times(times, positions, rate, path):
+def even_times(
+    times: np.ndarray, positions: np.ndarray, rate: float | None, path: str | Path
+) -> tuple[np.ndarray, np.ndarray, float, list[str]]:
     """Frames on an even grid of times; frames that were left out become gaps.
 
     A rate from the header counts, as times are often rounded to 1 ms. Without it, times that
@@ -82,7 +94,7 @@ def even_times(times, positions, rate, path):
     return times[0] + np.arange(length) / rate, out, rate, notes
 
 
-def named_once(raw, path):
+def named_once(raw: Raw, path: str | Path) -> Raw:
     """Labels without prefix, each once; of two the one that holds numbers."""
     short = [name.split(":")[-1].strip() for name in raw.names]
     notes = list(raw.notes)

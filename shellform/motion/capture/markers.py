@@ -5,9 +5,12 @@ A file's numbers become `Markers` in four steps: markers at the origin are missi
 columns go, the vertical is found, the unit is held against the size of a person.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+
+from .marker_table import Raw
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
 SPELLINGS = {
@@ -46,17 +49,17 @@ class Markers:
     notes: tuple = ()
     empty: tuple = ()
 
-    def track(self, name):
+    def track(self, name: str) -> np.ndarray:
         """Positions (n, 3) [m] of one marker."""
         return self.positions[:, self.names.index(name)]
 
 
-def plain(label):
+def plain(label: str) -> str:
     """A label without prefix, case and punctuation: "Ann:R.Knee" is "rknee"."""
     return "".join(c for c in label.split(":")[-1].lower() if c.isalnum())
 
 
-def vertical(pelvis, feet):
+def vertical(pelvis: np.ndarray, feet: np.ndarray) -> str | None:
     """Which axis points from the feet to the pelvis.
 
     Parameters
@@ -77,7 +80,7 @@ def vertical(pelvis, feet):
     return ("-" if up[axis] < 0 else "") + "xyz"[axis]
 
 
-def extent(positions):
+def extent(positions: np.ndarray) -> float:
     """Median over the frames of the markers' largest extent along an axis, in their unit."""
     with np.errstate(all="ignore"):
         spans = np.full(len(positions), np.nan)
@@ -87,12 +90,14 @@ def extent(positions):
     return float(np.nanmedian(spans)) if np.isfinite(spans).any() else 0.0
 
 
-def to_markers(raw, source, body, unit=None, up=None):
+def to_markers(
+    raw: Raw, source: str, body: Mapping[str, str], unit: str | None = None, up: str | None = None
+) -> Markers:
     """`Markers` from the numbers of a file.
 
     Parameters
     ----------
-    raw : `shellform.motion.capture.trc_file.Raw`
+    raw : `shellform.motion.capture.marker_table.Raw`
     source : str, the file, for messages
     body : dict, name of a marker -> name of the place on the body, for those that are known
     unit, up : what the caller knows better than the file, or None

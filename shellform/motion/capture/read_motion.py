@@ -9,6 +9,8 @@ File -> `Markers` (metres, z up) -> a `SegmentMap` that fits -> gaps, spikes, mi
 points of the segments -> low pass -> `shellform.motion.recording.Recording`.
 """
 
+from pathlib import Path
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -16,16 +18,14 @@ from contact.body.segment_frame import pose_from_markers
 from shellform.motion.recording import SIDES, Recording
 
 from .formats import read_table
-from .gait_events import facts, forward
+from .gait_events import facts
 from .gaps_and_spikes import common_span, filled, low_pass, rigid_legs, without_spikes
 from .joint_centres import point
-from .map_fitting import choose_map, labels_on_body, plan
+from .map_fitting import choose_map, fit_map, labels_on_body
 from .markers import Markers, to_markers
-from .noise import told
+from .noise import noise_note
+from .segment_checks import mirrored, require_lever, require_pace, require_sides
 from .segment_map import SegmentMap, segment_map
-
-LEVER = 0.010  # least distance of M from the line J1-J2 [m]
-FASTEST = 30.0  # a kicking foot moves at 20 to 25 m/s
 
 __all__ = [
     "Markers",
@@ -39,13 +39,59 @@ __all__ = [
 
 
 def read_motion(
-    path, map=None, unit=None, up=None, cutoff=6.0, max_gap=0.1, window=None, rigid=True
-):
-    """A capture file as a `Recording`: `read_markers`, then `recording`."""
+    path: str | Path,
+    map: SegmentMap | str | Path | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+    cutoff: float | None = 6.0,
+    max_gap: float = 0.1,
+    window: tuple[float, float] | None = None,
+    rigid: bool = True,
+) -> Recording:
+    """A capture file as a `Recording`: `read_markers`, then `recording`; see these.
+
+    Parameters
+    ----------
+    path : TRC, CSV or C3D file; unit, up : of its coordinates, where it does not tell
+    map : SegmentMap, name or file of one, None: the first shipped one that fits
+    cutoff : of the low pass [Hz], None: none; max_gap : longest gap filled [s]
+    window : (start, end) [s] of what is used; rigid : thighs and shanks keep their lengths
+
+    Returns
+    -------
+    Recording; `notes` says what was detected and repaired, `facts` the stride, cadence, stature
+
+    Raises
+    ------
+    ValueError
+        One sentence with file, place and mend.
+    ImportError
+        When a C3D file is asked for and ezc3d is not installed.
+
+    Examples
+    --------
+    A capture whose markers are the points of the segments themselves, for which the map is short:
+
+    >>> import numpy as np
+    >>> from shellform.motion.capture.segment_map import SegmentMap
+    >>> walk = sf.synthetic_walk(strides=2, obstacle=0.0)
+    >>> ends = {name: {end: f"{name}.{end}" for end in ("J1", "J2", "M")} for name in walk.points}
+    >>> labels = [label for segment in ends.values() for label in segment.values()]
+    >>> head = ",".join(["time", *(f"{label}_{axis} [m]" for label in labels for axis in "xyz")])
+    >>> tracks = np.hstack([track.reshape(-1, 9) for track in walk.points.values()])
+    >>> table = np.column_stack([walk.times, tracks])
+    >>> np.savetxt("walk.csv", table, delimiter=",", header=head, comments="")
+    >>> mine = SegmentMap("mine", {label: (label,) for label in labels}, {}, ends)
+    >>> again = sf.read_motion("walk.csv", mine, up="z")
+    >>> again.notes[0]
+    'up is z, as given'
+    >>> f"{again.facts['stride_length']:.2f} m"
+    '1.32 m'
+    """
     return recording(read_markers(path, unit, up), map, max_gap, cutoff, window, rigid)
 
 
-def read_markers(path, unit=None, up=None):
+def read_markers(path: str | Path, unit: str | None = None, up: str | None = None) -> Markers:
     """Markers of a TRC, CSV or C3D file.
 
     Parameters
@@ -67,7 +113,14 @@ def read_markers(path, unit=None, up=None):
     return to_markers(raw, str(path), labels_on_body(raw.names), unit, up)
 
 
-def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=True):
+def recording(
+    markers: Markers,
+    map: SegmentMap | str | Path | None = None,
+    max_gap: float = 0.1,
+    cutoff: float | None = 6.0,
+    window: tuple[float, float] | None = None,
+    rigid: bool = True,
+) -> Recording:
     """Tracks of the segments' points from markers.
 
     Parameters
@@ -87,37 +140,29 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
         second for the cutoff, nobody moves that fast, or M lies within 10 mm of J1-J2.
     """
     source = markers.source
+    if cutoff is not None and not 0 < cutoff < 0.4 * markers.rate:
+        raise ValueError(
+            f"{source}: cutoff must lie between 0 and {0.4 * markers.rate:.4g} Hz at "
+            f"{markers.rate:.4g} frames a second, not {cutoff:g} Hz: lower it, as far as the "
+            "motion is slow, or None to filter nothing"
+        )
     if map is None:
         map = choose_map(markers)
     elif not isinstance(map, SegmentMap):
         map = segment_map(map)
-    chosen = plan(map, markers)
-    notes = [*markers.notes, f"map '{map.name}'", *chosen.notes]
-    times, tracks, said = _cut(markers, chosen.labels, window)
+    fitted = fit_map(map, markers)
+    notes = [*markers.notes, f"map '{map.name}'", *fitted.notes]
+    times, tracks, said = _cut(markers, fitted.labels, window)
     notes += said
-    gaps = {}  # of one time together
-    for name, track in tracks.items():
-        label = chosen.labels[name]
-        track, said = filled(track, label, times, max_gap, source)
-        for note in said:
-            gaps.setdefault(note, []).append(label)
-        tracks[name], said = without_spikes(track, label, times, max_gap, source)
-        notes += said
-    notes += [f"{note}: {', '.join(labels)}" for note, labels in gaps.items()]
-    notes += told(tracks, chosen.labels, markers.rate, cutoff)
-    points = _evaluate(chosen, tracks)
+    tracks, said = _mended(tracks, fitted.labels, times, max_gap, source)
+    notes += [*said, *noise_note(tracks, fitted.labels, markers.rate, cutoff)]
+    points = _evaluate(fitted, tracks)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
-        points = _evaluate(chosen, tracks)
+        points = _evaluate(fitted, tracks)
         notes.append("left and right are mirrored: labels swapped")
-    _require_sides(points, source)
+    require_sides(points, source)
     if cutoff is not None:
-        if not 0 < cutoff < 0.4 * markers.rate:
-            raise ValueError(
-                f"{source}: cutoff must lie between 0 and {0.4 * markers.rate:.4g} Hz at "
-                f"{markers.rate:.4g} frames a second, not {cutoff:g} Hz: lower it, as far as the "
-                "motion is slow, or None to filter nothing"
-            )
         points = {name: low_pass(track, markers.rate, cutoff) for name, track in points.items()}
         notes.append(f"points low-passed at {cutoff:g} Hz")
     if rigid:
@@ -126,9 +171,23 @@ def recording(markers, map=None, max_gap=0.1, cutoff=6.0, window=None, rigid=Tru
     if rigid and "pelvis" in points:
         points["pelvis"], lean = upright(points["pelvis"])
         notes.append(f"pelvis set upright: its landmarks lean by {np.degrees(lean):.0f} degrees")
-    _require_lever(points, times, source)
-    _require_pace(points, times, source)
+    require_lever(points, times, source)
+    require_pace(points, times, source)
     return Recording(times, points, source, tuple(notes), facts(times, points))
+
+
+def _mended(tracks, labels, times, max_gap, source):
+    """Tracks without gaps and spikes, by the map's names, and notes of what was mended."""
+    out, spikes = {}, []
+    gaps = {}  # those of one time together
+    for name, track in tracks.items():
+        label = labels[name]
+        track, said = filled(track, label, times, max_gap, source)
+        for note in said:
+            gaps.setdefault(note, []).append(label)
+        out[name], said = without_spikes(track, label, times, max_gap, source)
+        spikes += said
+    return out, spikes + [f"{note}: {', '.join(names)}" for note, names in gaps.items()]
 
 
 def _cut(markers, labels, window):
@@ -166,13 +225,13 @@ def _cut(markers, labels, window):
     return times[first:stop], {n: t[first:stop] for n, t in tracks.items()}, notes
 
 
-def _evaluate(chosen, tracks):
+def _evaluate(fitted, tracks):
     at = dict(tracks)
-    for name, rule in chosen.rules.items():
+    for name, rule in fitted.rules.items():
         at[name] = point(rule, at)
     return {
         segment: np.stack([at[end] for end in ends], axis=1)
-        for segment, ends in chosen.segments.items()
+        for segment, ends in fitted.segments.items()
     }
 
 
@@ -184,19 +243,7 @@ def _other(name, names):
     return name
 
 
-def mirrored(points):
-    """Whether right hip minus left, crossed with the pelvis' forward direction, points down.
-
-    True for labels of the wrong side, and for a file whose axes are left-handed: for a body these
-    are the same.
-    """
-    if not {"pelvis", "right_thigh", "left_thigh"} <= points.keys():
-        return False
-    across = points["right_thigh"][:, 0] - points["left_thigh"][:, 0]
-    return bool(np.median(np.cross(across, forward(points["pelvis"]))[:, 2]) < 0)
-
-
-def upright(pelvis):
+def upright(pelvis: np.ndarray) -> tuple[np.ndarray, float]:
     """Points (n, 3, 3) of a pelvis with e1 upright in the median, and the lean taken away [rad].
 
     The middle of the pelvis' markers is not above the hip centres: e1 of the landmarks leans by 20
@@ -204,65 +251,10 @@ def upright(pelvis):
     frames.
     """
     _, axes = pose_from_markers(pelvis[:, 0], pelvis[:, 1], pelvis[:, 2])
-    lean = float(np.median(np.arctan2(axes[:, 1, 2], -axes[:, 0, 2])))
+    high, low = np.ascontiguousarray(axes[:, [1, 0], 2].T)  # without gaps, see synthetic_walk.py
+    lean = float(np.median(np.arctan2(high, -low)))
     turn = Rotation.from_rotvec(-lean * axes[:, 2])
     turned = pelvis.copy()
     for k in (0, 2):
         turned[:, k] = pelvis[:, 1] + turn.apply(pelvis[:, k] - pelvis[:, 1])
     return turned, lean
-
-
-def _require_sides(points, source):
-    """Refuse knees and feet on the wrong side, and toes behind the heels."""
-    if not {"pelvis", "right_thigh", "left_thigh"} <= points.keys():
-        return
-    ahead = forward(points["pelvis"])
-    right = np.cross(ahead, [0.0, 0.0, 1.0])
-    for part in ("thigh", "shank"):
-        pair = [points.get(f"{side}_{part}") for side in SIDES]
-        if pair[0] is None or pair[1] is None:
-            continue
-        apart = np.median(np.sum((pair[0] - pair[1])[:, 1] * right, axis=1))
-        if apart < 0:
-            raise ValueError(
-                f"{source}: pelvis and legs disagree about right and left, as the end of "
-                f"right_{part} is {-1e3 * apart:.0f} mm left of the other; swap these labels"
-            )
-        for side, track, sign in zip(SIDES, pair, (1, -1)):
-            if np.median(np.sum((track[:, 2] - track[:, 1]) * right, axis=1)) * sign < 0:
-                raise ValueError(
-                    f"{source}: M of {side}_{part} lies inward of its joint; lateral and medial "
-                    "labels are swapped"
-                )
-    for side in SIDES:
-        foot = points.get(f"{side}_foot")
-        if foot is not None and np.median(np.sum((foot[:, 1] - foot[:, 0]) * ahead, axis=1)) < 0:
-            raise ValueError(
-                f"{source}: the {side} toes are behind the heel; labels of heel and toe, or of "
-                "front and back of the pelvis, are swapped"
-            )
-
-
-def _require_lever(points, times, source):
-    for name, track in points.items():
-        _, axes = pose_from_markers(track[:, 0], track[:, 1], track[:, 2])
-        lever = np.sum((track[:, 2] - track[:, 0]) * axes[:, 1], axis=1)
-        worst = int(np.argmin(lever))
-        if lever[worst] < LEVER:
-            raise ValueError(
-                f"{source}: M of '{name}' is {1e3 * lever[worst]:.1f} mm off the line J1-J2 at t = "
-                f"{times[worst]:.3f} s; at least {1e3 * LEVER:.0f} mm tell the turn about it, take "
-                "another marker"
-            )
-
-
-def _require_pace(points, times, source):
-    for name, track in points.items():
-        speed = np.linalg.norm(np.diff(track, axis=0), axis=2) / np.diff(times)[:, None]
-        frame = int(np.argmax(speed.max(axis=1)))
-        if speed[frame].max() > FASTEST:
-            raise ValueError(
-                f"{source}: '{name}' moves at {speed[frame].max():.0f} m/s at t = "
-                f"{times[frame]:.3f} s, and nobody is faster than {FASTEST:.0f} m/s; correct the "
-                "rate or the markers, cut the capture with window=(start, end), or lower the cutoff"
-            )

@@ -13,6 +13,7 @@ import difflib
 import tomllib
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 from .joint_centres import RULES, references
@@ -41,7 +42,7 @@ class SegmentMap:
 
 
 @cache
-def segment_map(name_or_path):
+def segment_map(name_or_path: str | Path) -> SegmentMap:
     """A map by name ("medial", "plug-in-gait", "lateral") or from a TOML file.
 
     Raises
@@ -154,10 +155,10 @@ def _check_rule(rule, key, known, where):
         if word not in rule:
             raise ValueError(f"{where}: point '{key}' lacks '{word}' beside '{kinds[0]}'")
     try:
-        used = references(rule)
+        needed, optional = references(rule)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{where}: point '{key}': {error}") from None
-    for name in used:
+    for name in [*needed, *optional]:
         if name not in known:
             raise ValueError(
                 f"{where}: point '{key}' uses '{name}', which is no marker and no point; closest: "
@@ -169,5 +170,5 @@ def _check_circle(map, key, above, where):
     if key in above:
         raise ValueError(f"{where}: point '{key}' is made of itself ({' < '.join(above)})")
     for rule in map.points.get(key, ()):
-        for name in references(rule):
+        for name in chain(*references(rule)):
             _check_circle(map, name, (*above, key), where)

@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Marker files as tables of numbers: TRC, CSV, C3D.
+"""Marker positions from a TRC file (Motion Analysis, OpenSim).
 
-Nothing is interpreted here but the layout. Headers lie: the number of markers, the position of the
-tabs and the rounded time column are not believed; labels are counted, the rate is the header's.
-
-CSV: a line of names, then numbers. The first column is the time [s], then three columns a marker,
-`name_x, name_y, name_z`; a unit may follow in brackets, `name_x [mm]`. Empty cells are gaps.
+Some lines of header, a line of labels that begins with `Frame#`, then one line a frame: number,
+time [s], x, y, z of each marker; an empty cell is a gap. Headers lie: the number of markers and of
+frames, the position of the tabs and the rounded times are not believed. Labels are counted, the
+rate is the header's, and what differs is noted.
 """
 
 from pathlib import Path
 
 import numpy as np
 
-from .marker_table import Raw, cells_of, even_times, number_of, numbers_of
+from .marker_table import Raw, even_times, number_of, numbers_of
 
 
-def read_trc(path):
-    """`Raw` of a TRC file (Motion Analysis, OpenSim)."""
+def read_trc(path: str | Path) -> Raw:
+    """`Raw` of a TRC file; ValueError naming line and mend where it is cut off or malformed."""
     text = Path(path).read_text(encoding="utf-8", errors="replace")
     lines = text.splitlines()
     top = next((k for k, s in enumerate(lines) if s.strip().lower().startswith("frame")), None)
@@ -27,15 +26,16 @@ def read_trc(path):
         labels = labels[1:]
     if not labels:
         raise ValueError(f"{path}: line {top + 1} names no marker after 'Frame#' and 'Time'")
-    header = _trc_header(lines[:top])
+    header = _header(lines[:top])
     width = 2 + 3 * len(labels)
-    rows, used, ends = [], [], []
+    rows: list[list[float]] = []
+    used, ends = [], []
     for k, line in enumerate(lines[top + 1 :], top + 2):
         cells = cells_of(line)
         first = next((c for c in cells if c), "")
         if not first or (not rows and first[0] in "Xx"):
             continue  # a blank line, or X1 Y1 Z1 ...
-        rows.append(_trc_row(cells, width, path, k))
+        rows.append(_row(cells, width, path, k))
         used.append(len(cells))
         ends.append(max((j for j, c in enumerate(cells) if c), default=0))
     if len(rows) < 2:
@@ -64,7 +64,12 @@ def read_trc(path):
     return Raw(tuple(labels), times, positions, rate, header.get("units"), None, (*notes, *more))
 
 
-def _trc_header(lines):
+def cells_of(line: str) -> list[str]:
+    """Cells of a line between tabs; between blanks where it has no tab."""
+    return [c.strip() for c in (line.split("\t") if "\t" in line else line.split())]
+
+
+def _header(lines):
     """Values by lower-case key; tabs may be doubled, a value may be missing."""
     for k, line in enumerate(lines[:-1]):
         keys = [c.lower() for c in cells_of(line) if c]
@@ -82,7 +87,7 @@ def _trc_header(lines):
     return {}
 
 
-def _trc_row(cells, width, path, line):
+def _row(cells, width, path, line):
     while len(cells) > width and not cells[-1]:
         cells = cells[:-1]
     if len(cells) > width:  # doubled tabs; without blanks it is clear what is meant

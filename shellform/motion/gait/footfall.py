@@ -6,30 +6,29 @@ with the toe up. With no toe joint it leaves the floor at 39 degrees, where the 
 one has about 55 and its ankle is at the same height. The sole is a flat between two arcs, the heel
 and what lies before the ball, so that the heel and toe rockers of gait (Perry, Gait Analysis, 1992)
 are a rolling without slip and without sinking in: the point of contact moves by -R da and the ankle
-turns about it. Lengths are those of a man of 1.755 m with footwear: ankle height 75 mm, and foot
-length 0.152 of stature (Drillis and Contini, 1966).
+turns about it. Lengths are those of `proportions`, at a stature of 1.755 m with footwear.
 
 Swings are quintic splines between the states at toe-off and heel strike; with two continuous
 derivatives at both, the whole path has them.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BPoly, make_interp_spline
+from numpy.typing import ArrayLike
+from scipy.interpolate import BPoly, BSpline, make_interp_spline
 
-STATURE = 1.755  # [m], median of ANSUR II men; every length of the walk scales with stature
-ANKLE = 0.075  # height of the ankle centre above the sole [m]
-HEEL, TOE = 0.055, 0.212  # heel end and toe end behind and before the ankle [m]
-RIM = 0.035  # height of both ends above the sole [m]: the arcs end there
+from shellform.motion.proportions import ANKLE, HEEL, RIM, TOE
+
 BALL = 0.12  # where the flat ends before the ankle [m]
-# (where the arc begins, its radius): an arc rises by RIM over the rest of the foot
+# (where the arc begins, its radius): an arc rises to RIM over the rest of the foot
 HEEL_ARC = (RIM - HEEL, RIM)
 TOE_ARC = (BALL, ((TOE - BALL) ** 2 + RIM**2) / (2 * RIM))
 STEEPEST = np.arcsin((TOE - BALL) / TOE_ARC[1])  # pitch [rad] at which the toe end touches
 
 
-def sole(count=41):
+def sole(count: int = 41) -> np.ndarray:
     """Outline of the sole (n, 2), along and up from the ankle [m], at a stature of 1.755 m."""
     toe, heel = np.linspace(0, STEEPEST, count), np.linspace(np.pi / 2, 0, count)
     (x1, r1), (x2, r2) = HEEL_ARC, TOE_ARC
@@ -39,13 +38,15 @@ def sole(count=41):
     return np.concatenate([back, flat, front]) - [0.0, ANKLE]
 
 
-def turned(points, pitch):
+def turned(points: np.ndarray, pitch: np.ndarray) -> np.ndarray:
     """Points (n, 2) of the foot at pitches (m,) [rad]: (m, n, 2)."""
     c, s = np.cos(pitch)[:, None], np.sin(pitch)[:, None]
     return np.stack([c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]], -1)
 
 
-def rolled(pitch, rate=0.0, change=0.0):
+def rolled(
+    pitch: ArrayLike, rate: ArrayLike = 0.0, change: ArrayLike = 0.0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Ankle of a foot that rolls on the floor: place, velocity, acceleration, each (..., 2).
 
     Parameters
@@ -64,14 +65,21 @@ def rolled(pitch, rate=0.0, change=0.0):
     return place, velocity, np.stack([-dda * z - da * vz, dda * x + da * vx], axis=-1)
 
 
-def spline(times, values, start=(0.0, 0.0), end=None):
+def spline(
+    times: ArrayLike,
+    values: ArrayLike,
+    start: Sequence[Any] = (0.0, 0.0),
+    end: Sequence[Any] | None = None,
+) -> BSpline:
     """Quintic spline through values (n, ...) with given first and second derivatives at the ends.
 
     `end` None leaves the end free (third and fourth derivative zero).
     """
     zero = np.zeros(np.shape(values)[1:])
-    first = [(1, zero + start[0]), (2, zero + start[1])]
-    last = [(3, zero), (4, zero)] if end is None else [(1, zero + end[0]), (2, zero + end[1])]
+    first = [(k, zero + value) for k, value in enumerate(start, 1)]
+    last = [(3, zero), (4, zero)]
+    if end is not None:
+        last = [(k, zero + value) for k, value in enumerate(end, 1)]
     return make_interp_spline(times, values, k=5, bc_type=(first, last))
 
 
@@ -91,7 +99,7 @@ class Footfall(NamedTuple):
     pitches: tuple
 
     @property
-    def off(self):
+    def off(self) -> float:
         """Time of toe-off [s]."""
         return self.pitches[-1][0]
 
@@ -113,7 +121,9 @@ STRIKE = (np.radians(17.6), np.radians(-365.0), 31.0)  # pitch, its rate [1/s] a
 OFF_RATE = -5.6  # pitch rate at toe-off [1/s]
 
 
-def track(falls, swings, times):
+def track(
+    falls: Sequence[Footfall], swings: Sequence[Swing], times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Ankle (n, 3) [m] and pitch (n,) [rad] of one foot at times (n,) [s], two derivatives smooth.
 
     Parameters

@@ -7,14 +7,20 @@ leg, and the foot swung outward bring both down. The foot hangs from its shank: 
 knot is the shank's angle plus a given dorsiflexion, found by iteration with the leg's kinematics.
 """
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from shellform.motion.proportions import HIP_SPACING, LENGTHS, SIGN
 
-from .footfall import Swing, sole, track, turned
+from .footfall import Footfall, Swing, sole, track, turned
 from .leg import leg_points
+
+if TYPE_CHECKING:
+    from .footsteps import Footsteps
 
 CLEARANCE = 0.07  # of the sole over the obstacle [m]; people keep 0.05 to 0.2
 LAST = 0.88  # instant of the last pitch knot, while the knee extends
@@ -95,7 +101,9 @@ def _between(pair, height):
     return low + max(0.0, (height - 0.1) / 0.4) * (high - low)
 
 
-def turned_out(ways, side, share, t):
+def turned_out(
+    ways: Sequence[tuple[Crossing, Sequence[Footfall]]], side: str, share: float, t: np.ndarray
+) -> np.ndarray:
     """Turn (n,) [rad] of a leg outward at times t, positive to the left; two derivatives smooth.
 
     ways : list of (Crossing, (footfall before, footfall after)); share : of its `out`.
@@ -107,7 +115,13 @@ def turned_out(ways, side, share, t):
     return turn
 
 
-def cross(way, falls, side, plan, hips):
+def cross(
+    way: Crossing,
+    falls: Sequence[Footfall],
+    side: str,
+    steps: Footsteps,
+    hips: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
+) -> Swing:
     """Swing over the obstacle between two footfalls.
 
     Parameters
@@ -115,32 +129,33 @@ def cross(way, falls, side, plan, hips):
     way : Crossing
     falls : the footfalls before and after
     side : 'right' or 'left'
-    plan : object with front, depth, height [m] of the obstacle and share, 0 to 1
+    steps : Footsteps, of which count front, depth, height [m] of the obstacle and share, 0 to 1
     hips : function of times (n,): mid hip and axes left, ahead, up of the pelvis, (n, 3) each
     """
     begin, end = falls
     at = np.array(way.instants)
     at_pitch = np.append(at, LAST)
-    x = plan.front + _between(way.x, plan.height)
-    x[-1] += plan.depth - 0.06  # the knots are those of an obstacle of 0.06 m
-    y = begin.aside + SIGN[side] * way.aside * plan.share
+    x = steps.front + _between(way.x, steps.height)
+    x[-1] += steps.depth - 0.06  # the knots are those of an obstacle of 0.06 m
+    y = begin.aside + SIGN[side] * way.aside * steps.share
     s = np.linspace(0.0, 1.0, SAMPLES)
     t = begin.off + s * (end.strike - begin.off)
     middle, left, ahead, _ = hips(t)
     hip = middle + SIGN[side] * 0.5 * HIP_SPACING * left
-    turn = turned_out([(way, falls)], side, plan.share, t)
+    turn = turned_out([(way, falls)], side, steps.share, t)
     axis = np.cos(turn)[:, None] * left - np.sin(turn)[:, None] * ahead
     pitch = np.append(np.full(len(at), np.radians(-40.0)), 0.0)
     under = -turned(sole(), pitch[:1])[0, :, 1].min()
-    z = plan.height + CLEARANCE + under + _between(way.lift, plan.height)
+    z = steps.height + CLEARANCE + under + _between(way.lift, steps.height)
     for _ in range(ROUNDS):
         swing = Swing((at, x), (at, z), (at_pitch, pitch), ((0.5,), (y,)))
         ankle, pitches = track(falls, [swing], t)
         _, shank = leg_points(hip, ankle, axis, LENGTHS["thigh"], LENGTHS["shank"], side)
-        down = shank[:, 1] - shank[:, 0]
-        hang = np.interp(at_pitch, s, np.arctan2(down[:, 0], -down[:, 2]))
+        # without gaps, see synthetic_walk.py
+        forward, _, up = np.ascontiguousarray((shank[:, 1] - shank[:, 0]).T)
+        hang = np.interp(at_pitch, s, np.arctan2(forward, -up))
         points = ankle[:, None, [0, 2]] + turned(sole(), pitches)
-        over = (points[..., 0] > plan.front) & (points[..., 0] < plan.front + plan.depth)
-        z = z + RELAXED * (CLEARANCE + plan.height - points[..., 1][over].min())
+        over = (points[..., 0] > steps.front) & (points[..., 0] < steps.front + steps.depth)
+        z = z + RELAXED * (CLEARANCE + steps.height - points[..., 1][over].min())
         pitch = pitch + RELAXED * (hang + np.array(way.dorsiflexion) - pitch)
     return swing

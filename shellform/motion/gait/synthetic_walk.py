@@ -20,13 +20,24 @@ All of it is for a stature of 1.755 m; lengths scale with stature, times with it
 
 import numpy as np
 
-from shellform.motion.proportions import HIP_SPACING, LENGTHS, MARKERS, SIGN
+from shellform.motion.proportions import (
+    ANKLE,
+    HEEL,
+    HIP_SPACING,
+    LENGTHS,
+    MARKERS,
+    RIM,
+    SIGN,
+    STATURE,
+    TOE,
+)
 from shellform.motion.recording import SIDES, Recording
 
-from .footfall import ANKLE, HEEL, RIM, STATURE, TOE, spline, track
-from .leg import joint_angles, leg_points, standing, standing_of
+from .footfall import spline, track
+from .footsteps import FIRST_OFF, STEP, STEP_TIME, events_of, footfalls, footsteps, level_swings
+from .leg import joint_angles, leg_points
 from .obstacle_crossing import LEAD, TRAIL, cross, turned_out
-from .step_plan import FIRST_OFF, STEP, STEP_TIME, events_of, footfalls, level_swings, plan_steps
+from .standing_pose import standing, standing_of
 
 __all__ = ["joint_angles", "standing", "standing_of", "synthetic_walk"]
 
@@ -42,15 +53,15 @@ TALLEST, DEEPEST = 0.305, 0.045  # obstacle over stature up to which the walk is
 
 
 def synthetic_walk(
-    stature=1.755,
-    strides=4,
-    obstacle=0.5,
-    obstacle_stride=3,
-    rate=100.0,
-    stand=0.3,
-    first="right",
-    depth=0.06,
-):
+    stature: float = 1.755,
+    strides: int = 4,
+    obstacle: float = 0.5,
+    obstacle_stride: int = 3,
+    rate: float = 100.0,
+    stand: float = 0.3,
+    first: str = "right",
+    depth: float = 0.06,
+) -> Recording:
     """A wearer who stands, walks and steps over an obstacle; x forward, z up, floor at z = 0.
 
     A stride is a step of the `first` foot and one of the other; the recording ends with the heel
@@ -79,30 +90,38 @@ def synthetic_walk(
     ------
     ValueError
         For an argument out of its range.
+
+    Examples
+    --------
+    >>> walk = sf.synthetic_walk(stature=1.80, obstacle=0.0)
+    >>> f"{walk.facts['stride_length']:.2f} m, {walk.facts['cadence']:.0f} steps a minute"
+    '1.35 m, 109 steps a minute'
+    >>> walk.facts["events"][0]
+    ('right_toe_off', 0.72...)
     """
     _check(stature, strides, obstacle, obstacle_stride, rate, stand, first, depth)
     long, slow = stature / STATURE, np.sqrt(stature / STATURE)
-    plan = plan_steps(strides, obstacle / long, obstacle_stride, stand / slow, first, depth / long)
-    pelvis = _pelvis(plan)
-    falls = footfalls(plan)
+    steps = footsteps(strides, obstacle / long, obstacle_stride, stand / slow, first, depth / long)
+    pelvis = _pelvis(steps)
+    falls = footfalls(steps)
     swings = {side: level_swings(falls[side]) for side in SIDES}
-    out = {side: [] for side in SIDES}
+    out: dict[str, list] = {side: [] for side in SIDES}
     for i in range(1, 2 * strides + 1):
-        way = plan.crossing(i)
+        way = steps.crossing(i)
         if way is not None:
-            side, k = plan.side[i], (i - 1) // 2
+            side, k = steps.side[i], (i - 1) // 2
             pair = falls[side][k : k + 2]
-            swings[side][k] = cross(way, pair, side, plan, lambda t: _hips(pelvis, plan, t))
+            swings[side][k] = cross(way, pair, side, steps, lambda t: _hips(pelvis, steps, t))
             out[side].append((way, pair))
-    end = plan.strike[2 * strides] * slow
+    end = steps.strike[2 * strides] * slow
     times = np.arange(int(np.floor(end * rate + 1e-6)) + 1) / rate
     t = times / slow
-    middle, left, ahead, up = _hips(pelvis, plan, t)
+    middle, left, ahead, up = _hips(pelvis, steps, t)
     top = middle + LENGTHS["pelvis"] * up
     points = {"pelvis": np.stack([top, middle, top + MARKERS["pelvis"] * ahead], axis=1)}
     for side in SIDES:
         ankle, pitch = track(falls[side], swings[side], t)
-        turn = turned_out(out[side], side, plan.share, t)
+        turn = turned_out(out[side], side, steps.share, t)
         axis = np.cos(turn)[:, None] * left - np.sin(turn)[:, None] * ahead
         hip = middle + SIGN[side] * 0.5 * HIP_SPACING * left
         lengths = LENGTHS["thigh"], LENGTHS["shank"]
@@ -111,7 +130,7 @@ def synthetic_walk(
         )
         points[f"{side}_foot"] = _foot(ankle, pitch, 0.5 * turn, side)
     level = {"stride_length": 2 * STEP * long, "cadence": 60.0 / (STEP_TIME * slow)}
-    box = {"front": plan.front * long, "depth": depth, "height": obstacle}
+    box = {"front": steps.front * long, "depth": depth, "height": obstacle}
     facts = {"stature": stature, **level, "obstacle": box if obstacle > 0 else None}
     facts["events"] = events_of(falls, slow, times[-1])
     points = {name: track_ * long for name, track_ in points.items()}
@@ -146,32 +165,32 @@ def _check(stature, strides, obstacle, obstacle_stride, rate, stand, first, dept
         )
 
 
-def _pelvis(plan):
+def _pelvis(steps):
     """Spline of the mid hip x, y, z [m], the rotation (to the left) and list (right side up)."""
     straight = np.radians(STANDING_KNEE)
     a, b = LENGTHS["thigh"], LENGTHS["shank"]
     high = ANKLE + np.sqrt(a * a + b * b + 2 * a * b * np.cos(straight))
-    sign = SIGN[plan.side[0]]
-    off = plan.start + FIRST_OFF
-    times = [plan.start, off, 0.5 * (off + plan.strike[1])]
+    sign = SIGN[steps.side[0]]
+    off = steps.start + FIRST_OFF
+    times = [steps.start, off, 0.5 * (off + steps.strike[1])]
     rows = [[0.0, 0.0, high, 0.0, 0.0]]
     rows += [[x, sign * y, z, 0.0, 0.0] for x, y, z in START]
-    lowest = plan.strike - EARLY
+    lowest = steps.strike - EARLY
 
     def low(i):
         behind, z = (BEHIND, LOW) if i > 1 else (START_BEHIND, START_LOW)
         change = (0.0, 0.0)
-        for way, step in ((LEAD, plan.lead), (TRAIL, plan.lead and plan.lead + 1)):
+        for way, step in ((LEAD, steps.lead), (TRAIL, steps.lead and steps.lead + 1)):
             if i == step:
                 change = way.low
-        if plan.lead and i == plan.lead - 1:
+        if steps.lead and i == steps.lead - 1:
             change = LEAD.low_before
-        x = plan.place[i] - behind + plan.share * change[0]
-        return np.array([x, 0.0, z + plan.share * change[1], -SIGN[plan.side[i]] * ROTATION, 0.0])
+        x = steps.place[i] - behind + steps.share * change[0]
+        return np.array([x, 0.0, z + steps.share * change[1], -SIGN[steps.side[i]] * ROTATION, 0.0])
 
-    for i in range(1, len(plan.side) - 1):
-        sign, here, there = SIGN[plan.side[i]], low(i), low(i + 1)
-        way = plan.crossing(i + 1)
+    for i in range(1, len(steps.side) - 1):
+        sign, here, there = SIGN[steps.side[i]], low(i), low(i + 1)
+        way = steps.crossing(i + 1)
         span = lowest[i + 1] - lowest[i]
         times.append(lowest[i])
         rows.append(here)
@@ -182,18 +201,19 @@ def _pelvis(plan):
             continue
         for part, amount, ahead, z, level in way.pelvis:
             times.append(lowest[i] + part * span)
-            x = here[0] + part * (there[0] - here[0]) + plan.share * ahead
-            sway = SWAY + plan.share * (way.sway - SWAY)
-            hike = LIST - plan.share * (LIST + way.hike)
-            z = level + plan.share * (z - level)
+            x = here[0] + part * (there[0] - here[0]) + steps.share * ahead
+            sway = SWAY + steps.share * (way.sway - SWAY)
+            hike = LIST - steps.share * (LIST + way.hike)
+            z = level + steps.share * (z - level)
             turn = here[3] * (1 - 2 * part)
             rows.append([x, amount * sign * sway, z, turn, -amount * sign * hike])
     return spline(times, np.array(rows))
 
 
-def _hips(pelvis, plan, t):
+def _hips(pelvis, steps, t):
     """Mid hip (n, 3) [m] and the pelvis's axes left, ahead, up, (n, 3) each, at times t."""
-    x, y, z, turn, hike = pelvis(np.maximum(t, plan.start)).T
+    # without gaps, or the last digit of a sine depends on where in memory an angle lies
+    x, y, z, turn, hike = np.ascontiguousarray(pelvis(np.maximum(t, steps.start)).T)
     left = np.stack([-np.sin(turn) * np.cos(hike), np.cos(turn) * np.cos(hike), -np.sin(hike)], 1)
     ahead = np.stack([np.cos(turn), np.sin(turn), 0 * turn], 1)
     return np.stack([x, y, z], axis=1), left, ahead, np.cross(ahead, left)

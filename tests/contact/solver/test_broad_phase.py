@@ -6,10 +6,11 @@ import pytest
 
 from contact.body.segments import Body, Fixed, Segment, Steady
 from contact.geometry.ellipsoid import closest_points
-from contact.solver.broad_phase import CLEAR, left_of, look, surface_motion
-from contact.solver.segment_motion import TRAVEL, set_travel
-from contact.solver.velocity_correction import Correction
-from tests.contact.solver.test_velocity_correction import LIMB, limbs, random_axes
+from contact.solver.broad_phase import clearance_left, measure, surface_motion
+from contact.solver.segment_motion import segment_records, set_motion
+from contact.solver.step_record import NODE
+from contact.solver.velocity_correction import VelocityCorrection
+from tests.contact.solver.bodies import LIMB, limbs, random_axes
 
 OFFSET = 1e-3
 
@@ -34,8 +35,8 @@ def played(body, flesh, friction=(0.5, 0.3), steps=300, dt=1e-3):
     rng = np.random.default_rng(5)
     x, v = rng.uniform(-0.5, 0.5, (400, 3)), 0.5 * rng.standard_normal((400, 3))
     mass = rng.uniform(1e-4, 1e-2, len(x))
-    correction = Correction(body, len(x), friction, OFFSET, flesh=flesh)
-    told, evaluated, active, t = [], 0, 0, 0.0
+    correction = VelocityCorrection(body, len(x), friction, OFFSET, flesh=flesh)
+    history, evaluated, active, t = [], 0, 0, 0.0
     for step in range(steps):
         if step == 100:  # somebody moves points about
             x[::3] = rng.uniform(-0.5, 0.5, x[::3].shape)
@@ -47,13 +48,13 @@ def played(body, flesh, friction=(0.5, 0.3), steps=300, dt=1e-3):
         v += 30 * dt * rng.standard_normal(v.shape) - 200 * dt * x
         correction(x, v, mass, dt, t, old)
         evaluated, active = evaluated + correction.evaluated, active + correction.active
-        told.append(
+        history.append(
             (x.copy(), v.copy(), correction.segment.copy(), correction.last.table[:-1].copy())
         )
         x += dt * v
         t += dt
     assert active > 5 * steps
-    return told, evaluated
+    return history, evaluated
 
 
 @pytest.mark.parametrize("flesh", [np.inf, 1e5])
@@ -67,20 +68,18 @@ def test_same_contact_with_fewer_closest_points(flesh):
     assert few < many
 
 
-def test_a_look_says_how_far_the_others_are():
-    """Room and near set against distances from `closest_points`; room is used up by motion."""
+def test_a_measurement_says_how_far_the_others_are():
+    """Clearance and near set against distances from `closest_points`; motion uses it up."""
     rng = np.random.default_rng(2)
     body = limbs(rng, count=5)
     dt = 1e-3
     poses = [body.pose(t, body.new_pose()) for t in (0.0, dt)]
-    travel = np.zeros(5, TRAVEL)
-    travel["bit"] = range(5)
-    set_travel(
-        poses[0].centres, poses[0].axes, poses[1].centres, poses[1].axes, body.radii, OFFSET, travel
-    )
-    motion, shortest = surface_motion(travel, OFFSET)
-    assert shortest == body.radii.min()
-    clear, margin = np.zeros(1, CLEAR), 0.02
+    segments = segment_records(body)
+    set_motion(poses[0].centres, poses[0].axes, poses[1].centres, poses[1].axes, OFFSET, segments)
+    motion, thinnest = surface_motion(segments, OFFSET)
+    assert thinnest == body.radii.min()
+    node, margin = np.zeros(1, NODE), 0.02
+    node["allowed"] = 31
     seen = set()
     for x in rng.uniform(-0.4, 0.4, (300, 3)):
         gaps = np.array(
@@ -89,13 +88,13 @@ def test_a_look_says_how_far_the_others_are():
                 for r, c, a in zip(body.radii, poses[0].centres, poses[0].axes, strict=True)
             ]
         )
-        look(x, 1.0, margin, 31, travel, OFFSET, clear[0])
-        far = np.array([bool(clear[0]["far"] >> b & 1) for b in range(5)])
+        measure(x, 1.0, margin, segments, OFFSET, node[0])
+        far = np.array([bool(node[0]["far"] >> b & 1) for b in range(5)])
         assert (gaps[far] > margin).all() and (gaps[~far] <= margin / 0.99).all()
-        assert clear[0]["room"] <= min(gaps[far], default=2 * margin)
-        assert clear[0]["room"] > margin - 1e-12
-        left = left_of(x + [0.003, 0.004, 0.0], 1.001, motion, clear[0])
-        assert left == pytest.approx(clear[0]["room"] - 0.005 - 0.001 - motion, abs=1e-15)
+        assert node[0]["clearance"] <= min(gaps[far], default=2 * margin)
+        assert node[0]["clearance"] > margin - 1e-12
+        left = clearance_left(x + [0.003, 0.004, 0.0], 1.001, motion, node[0])
+        assert left == pytest.approx(node[0]["clearance"] - 0.005 - 0.001 - motion, abs=1e-15)
         seen.add(far.sum())
     assert len(seen) > 2
 
@@ -108,13 +107,14 @@ def test_no_surface_moves_farther_than_said():
     for _ in range(20):
         body = limbs(rng, count=1)
         start, end = (body.pose(t, body.new_pose()) for t in (0.0, 2e-3))
-        travel = np.zeros(1, TRAVEL)
-        set_travel(start.centres, start.axes, end.centres, end.axes, body.radii, 0.0, travel)
+        segments = segment_records(body)
+        set_motion(start.centres, start.axes, end.centres, end.axes, 0.0, segments)
         local = unit * body.radii[0]
         ways = local @ end.axes[0] + end.centres[0] - local @ start.axes[0] - start.centres[0]
         most = np.linalg.norm(ways, axis=1).max()
-        assert most <= surface_motion(travel, 0.0)[0] < 3 * most
+        assert most <= surface_motion(segments, 0.0)[0] < 3 * most
     still = Body([Segment("s", LIMB, Fixed((0, 0, 0)))])
     pose = still.pose(0.0, still.new_pose())
-    set_travel(pose.centres, pose.axes, pose.centres, pose.axes, still.radii, 0.0, travel)
-    assert surface_motion(travel, 0.0)[0] == 0.0
+    segments = segment_records(still)
+    set_motion(pose.centres, pose.axes, pose.centres, pose.axes, 0.0, segments)
+    assert surface_motion(segments, 0.0)[0] == 0.0

@@ -4,11 +4,21 @@
 import numpy as np
 import pytest
 
-from contact.solver.friction import coefficients, tangential_impulse, transmitted
+from contact.solver.friction import Friction, as_friction, cone_kernel
 
 N = np.array([0.6, 0.0, 0.8])
 ACROSS = np.array([0.8, 0.0, -0.6])
 ASIDE = np.array([0.0, 1.0, 0.0])
+
+
+transmitted = cone_kernel(Friction.kinetic_coefficient)
+
+
+def tangential_impulse(normal, trial, mu_s, mu_k, impulse):
+    """Friction impulse for a trial impulse (3,), filled; True in stick."""
+    fraction = transmitted(normal, np.linalg.norm(trial), 1.0, np.array([mu_s, mu_k]))
+    impulse[:] = fraction * trial
+    return fraction == 1.0
 
 
 def contact_force(force, normal, slip, mu_s, mu_k):
@@ -92,17 +102,19 @@ def test_slip_is_never_turned_around_nor_the_cone_left():
         size = np.linalg.norm(impulse)
         assert size <= mu_s * normal * (1 + 1e-15)
         assert np.array_equal(impulse, trial) if stick else size == pytest.approx(mu_k * normal)
-    assert transmitted(0.0, 1.0, 0.5, 0.5) == 0.0
-    assert transmitted(0.0, 0.0, 0.0, 0.0) == 1.0
+    assert transmitted(0.0, 1.0, 1.0, np.array([0.5, 0.5])) == 0.0
+    assert transmitted(0.0, 0.0, 0.0, np.zeros(2)) == 1.0
 
 
 def test_coefficients_are_checked():
-    assert coefficients(0.3) == (0.3, 0.3)
-    assert coefficients((0.5, 0.2)) == (0.5, 0.2)
+    assert as_friction(0.3) == Friction(0.3) == Friction(0.3, 0.3) != Friction(0.3, 0.2)
+    assert as_friction((0.5, 0.2)).parameters == (0.5, 0.2)
+    law = Friction(0.4)
+    assert as_friction(law) is law
     with pytest.raises(ValueError, match=r"0\.4 exceeds static friction 0\.3"):
-        coefficients((0.3, 0.4))
+        as_friction((0.3, 0.4))
     for wrong in (-0.1, np.nan, np.inf, (0.3, -0.1)):
         with pytest.raises(ValueError, match="finite and not negative"):
-            coefficients(wrong)
+            as_friction(wrong)
     with pytest.raises(ValueError, match="pair"):
-        coefficients((0.1, 0.1, 0.1))
+        as_friction((0.1, 0.1, 0.1))

@@ -1,7 +1,6 @@
-"""Garments against their measures, cones, a body, topology, and meshes and measures at fault."""
 # SPDX-License-Identifier: LGPL-3.0-or-later
+"""Trousers against their measures, a body, topology, and measures at fault."""
 
-import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -9,9 +8,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 import meshes
-from meshes import MeshError, Surface
+from meshes import MeshError
 from meshes.garments.ring import count_cells
 from meshes.topology import directed_edges, edge_keys
+from tests.meshes.measures import euler, facing, loop_length, section_length
 
 REGULAR = meshes.SIZES["large-regular"]
 # A standing man of 1.755 m: centre and semi-axes of ellipsoids [m] inside the trousers.
@@ -24,54 +24,8 @@ BODY = {
 }
 
 
-@pytest.fixture(autouse=True)
-def _warnings_are_errors():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        yield
-
-
-def loop_length(surface, name):
-    ends = surface.points[surface.edges[name][:, :2]]
-    return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
-
-
-def section_length(surface, height):
-    """Length of the line in which the level plane at ``height`` cuts the sides of the cells."""
-    corners = surface.points[surface.cells]
-    following = np.roll(corners, -1, axis=1)
-    start, end = corners[..., 2] - height, following[..., 2] - height
-    cut = start * end < 0.0
-    assert set(cut.sum(axis=1)) <= {0, 2}
-    part = np.where(cut, start / np.where(cut, start - end, 1.0), 0.0)
-    places = (corners + part[..., None] * (following - corners))[cut].reshape(-1, 2, 3)
-    return np.linalg.norm(places[:, 1] - places[:, 0], axis=1).sum()
-
-
-def cell_normals(surface):
-    corners = surface.points[surface.cells]
-    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
-
-
-def inside_volume(surface):
-    """Volume by the divergence theorem, for a tube whose openings are level rings."""
-    corners = surface.points[surface.cells]
-    areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    # x and y alone: level openings add nothing to the flux of (x, y, 0).
-    return 0.5 * np.sum(areas[:, :2] * corners.mean(axis=1)[:, :2])
-
-
-def euler(surface):
-    edges = np.unique(edge_keys(directed_edges(surface.cells), len(surface.points)))
-    return len(surface.points) - len(edges) + len(surface.cells)
-
-
 def triangles(surface):
     return meshes.to_triangles(surface, "shortest")
-
-
-# --- trousers -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", ["small-short", "medium-long", "large-regular"])
@@ -145,7 +99,7 @@ def test_left_and_right_are_mirror_images():
 
 def test_directors_point_outward_and_the_warp_down():
     surface = meshes.trousers()
-    normals, warp = cell_normals(surface), surface.warp
+    normals, warp = facing(surface), surface.warp
     centres = surface.points[surface.cells].mean(axis=1)
     sides = np.sign(centres[:, 1]) * 0.1
     low = centres[:, 2] < REGULAR["fork_height"] - 0.05
@@ -258,235 +212,3 @@ def test_regions_of_trousers():
 def test_impossible_trousers(change, sentence):
     with pytest.raises(ValueError, match=sentence):
         meshes.trousers(**change)
-
-
-# --- sleeves and skirts ---------------------------------------------------------------------
-
-
-def frustum(upper, lower, height):
-    """Lateral area and volume of a cone frustum of two girths."""
-    one, other = upper / (2.0 * np.pi), lower / (2.0 * np.pi)
-    area = np.pi * (one + other) * np.hypot(height, one - other)
-    return area, np.pi * height / 3.0 * (one**2 + one * other + other**2)
-
-
-TUBES = {
-    "sleeve": (lambda h: meshes.sleeve(0.6, 0.5, 0.3, cell_size=h), (0.5, 0.3, 0.6)),
-    "middle": (lambda h: meshes.sleeve(0.6, 0.5, 0.3, 0.4, cell_size=h), (0.5, 0.3, 0.6)),
-    "skirt": (
-        lambda h: meshes.skirt(
-            0.8, 1.0, 1.4, 0.6, 0.2, waist_ratio=1.0, hem_ratio=1.0, cell_size=h
-        ),
-        (0.8, 1.4, 0.6),
-    ),
-}
-
-
-@pytest.mark.parametrize("name", TUBES)
-def test_tubes_converge_to_cones(name):
-    make, measures = TUBES[name]
-    exact = np.array(frustum(*measures))
-    found = np.array([(make(h).area, inside_volume(make(h))) for h in (0.04, 0.02, 0.01)])
-    errors = np.abs(found - exact) / exact
-    # A regular polygon of n sides and a circle of its girth differ by pi^2 / (3 n^2) in area.
-    assert np.all(errors[-1] < 3e-3)
-    orders = np.log2(errors[:-1] / errors[1:])
-    assert np.all((orders > 1.9) & (orders < 2.1))
-
-
-@pytest.mark.parametrize("cell_size", [0.04, 0.025, 0.01])
-def test_girths_of_tubes(cell_size):
-    sleeve = meshes.sleeve(0.6, 0.5, 0.3, 0.45, ratio=1.2, cell_size=cell_size)
-    assert loop_length(sleeve, "top") == pytest.approx(0.5, rel=1e-9)
-    assert loop_length(sleeve, "bottom") == pytest.approx(0.3, rel=1e-9)
-    assert section_length(sleeve, 0.3 - 1e-8) == pytest.approx(0.45, rel=1e-6)
-    assert np.array_equal(sleeve.bounds[:, 2], [0.0, 0.6])
-    skirt = meshes.skirt(cell_size=cell_size)
-    assert loop_length(skirt, "waist") == pytest.approx(0.74, rel=1e-9)
-    assert loop_length(skirt, "hem") == pytest.approx(1.30, rel=1e-9)
-    assert section_length(skirt, 0.84 - 1e-8) == pytest.approx(1.02, rel=1e-6)
-    assert np.allclose(skirt.bounds[:, 2], [0.44, 1.04])
-    for surface in (sleeve, skirt):
-        assert euler(surface) == 0 and meshes.scaled_jacobian(surface).min() > 0.9
-        assert np.all(np.einsum("ni,ni->n", surface.directors, surface.points * [1, 1, 0]) > 0.0)
-        assert np.all(surface.warp[:, 2] < -0.7)
-        assert np.abs(np.einsum("mi,mi->m", surface.warp, cell_normals(surface))).max() < 1e-12
-        assert np.allclose(surface.points[surface.edges["seam"]][..., 1], 0.0)
-
-
-@pytest.mark.parametrize(
-    "make, change, sentence",
-    [
-        (meshes.sleeve, {"girth_top": 50.0}, "girth_top = 50.0 is no girth"),
-        (meshes.sleeve, {"length": 0.0}, "length = 0.0 m does not fit"),
-        (meshes.sleeve, {"ratio": 0.0}, "breadth over depth"),
-        (meshes.sleeve, {"cell_size": 0.2}, "0.001 to 0.05"),
-        (meshes.skirt, {"hem": -1.0}, "hem = -1.0 is no girth"),
-        (meshes.skirt, {"hip_depth": 0.7}, "must rise in this order"),
-        (meshes.skirt, {"length": 1.2}, "hem above floor"),
-    ],
-)
-def test_impossible_tubes(make, change, sentence):
-    measures = {"length": 0.6, "girth_top": 0.5, "girth_bottom": 0.3}
-    if make is meshes.skirt:
-        measures = {}
-    with pytest.raises(ValueError, match=sentence):
-        make(**{**measures, **change})
-
-
-# --- garments of others ---------------------------------------------------------------------
-
-
-def nameless(surface, **changes):
-    fields = {"edges": {}, "panels": {}, "warp": None, "source": "mine.obj", **changes}
-    return surface.replace(**fields)
-
-
-@pytest.mark.parametrize("kind", ["vtu", "msh"])
-def test_trousers_come_back_from_a_file(tmp_path, kind):
-    surface = meshes.trousers(cell_size=0.04)
-    path = tmp_path / f"trousers.{kind}"
-    if kind == "msh":
-        with pytest.warns(UserWarning, match="keep no warp"):
-            meshes.save(surface, path)
-    else:
-        meshes.save(surface, path)
-    back = meshes.load(path)
-    assert np.allclose(back.points, surface.points, atol=1e-15)
-    assert np.array_equal(back.cells, surface.cells)
-    for name, edge in surface.edges.items():
-        assert set(map(tuple, np.sort(back.edges[name]))) == set(map(tuple, np.sort(edge)))
-    for name, panel in surface.panels.items():
-        assert np.array_equal(back.panels[name], np.sort(panel))
-    if kind == "vtu":
-        assert np.allclose(back.warp, surface.warp)
-    dressed = meshes.worn(back)
-    assert set(dressed.edges) == set(surface.edges)
-
-
-@pytest.mark.parametrize("form", ["quads", "triangles", "inside out", "9 nodes"])
-@pytest.mark.parametrize("kind", ["obj", "ply", "vtu"])
-def test_a_nameless_file_gets_its_names(tmp_path, form, kind):
-    if form == "9 nodes" and kind != "vtu":
-        pytest.skip("this format holds no curved cells")
-    surface = mine = meshes.trousers(cell_size=0.04)
-    if form == "triangles":
-        mine = triangles(surface)
-    elif form == "inside out":
-        mine = surface.replace(cells=surface.cells[:, ::-1], directors=-surface.directors)
-    elif form == "9 nodes":
-        mine = meshes.elevate(surface)
-    path = tmp_path / f"mine.{kind}"
-    meshes.save(nameless(mine), path)
-    dressed = meshes.worn(meshes.load(path), "highest")
-    assert set(dressed.edges) == {"waist", "left_hem", "right_hem"}
-    for name, edge in dressed.edges.items():
-        assert set(edge[:, :2].ravel()) == set(surface.edges[name].ravel())
-    along = np.einsum("ni,ni->n", dressed.directors[: len(surface.points)], surface.directors)
-    assert np.all(along > 0.5)
-    if form != "9 nodes":
-        normals = cell_normals(dressed)
-        assert np.abs(np.einsum("mi,mi->m", dressed.warp, normals)).max() < 1e-9
-    assert np.allclose(np.linalg.norm(dressed.warp, axis=1), 1.0)
-    assert np.all(dressed.warp[:, 2] < 0.0)
-
-
-def test_ways_to_name_the_waist():
-    surface = meshes.skirt(cell_size=0.04)
-    mine = nameless(surface, edges={"top": surface.edges["waist"], "hem": surface.edges["hem"]})
-    ways = ["top", "highest", lambda x: x[:, 2] > 1.03]
-    for way in ways:
-        dressed = meshes.worn(mine, way)
-        assert set(dressed.edges["waist"].ravel()) == set(surface.edges["waist"].ravel())
-        assert np.array_equal(dressed.edges["hem"], mine.edges["hem"])
-    poncho = nameless(meshes.annulus(0.15, 0.8, (24, 6), slit=False))
-    radii = np.linalg.norm(poncho.points, axis=1)
-    level = poncho.points + np.outer(1.0 - 1e-9 * radii, [0.0, 0.0, 1.0])
-    laid = meshes.worn(poncho.replace(points=level), lambda x: np.hypot(x[:, 0], x[:, 1]) < 0.16)
-    # On a level sheet the warp leads away from the waist.
-    centres = laid.points[laid.cells].mean(axis=1) * [1, 1, 0]
-    assert np.all(
-        np.einsum("mi,mi->m", laid.warp, centres) > 0.99 * np.linalg.norm(centres, axis=1)
-    )
-
-
-def mixed():
-    surface = meshes.skirt(cell_size=0.04)
-    cells = surface.cells.copy()
-    cells[5] = cells[5, ::-1]
-    return Surface(surface.points, cells, surface.edges, source="mine.obj", verify=False)
-
-
-def crowded():
-    surface = meshes.skirt(cell_size=0.04)
-    one, other = surface.edges["seam"][4]
-    fin = surface.points[[other, one]] + [0.1, 0.0, 0.0]
-    cells = np.vstack([surface.cells, [[one, other, *len(surface.points) + np.arange(2)]]])
-    points = np.vstack([surface.points, fin])
-    return Surface(points, cells, surface.edges, source="mine.obj", verify=False)
-
-
-def two_pieces():
-    one = meshes.skirt(cell_size=0.04)
-    points = np.vstack([one.points, one.points + [0.0, 3.0, 0.0]])
-    cells = np.vstack([one.cells, one.cells + len(one.points)])
-    return Surface(points, cells, one.edges, source="mine.obj")
-
-
-def upside_down():
-    surface = meshes.trousers(cell_size=0.04)
-    return surface.transform(rotation=np.diag([1.0, -1.0, -1.0]))
-
-
-def half_waist():
-    surface = meshes.skirt(cell_size=0.04)
-    return surface.replace(edges={"waist": surface.edges["waist"][:7]})
-
-
-def closed():
-    ball = meshes.spherical_cap(0.3, (0.5, 2.6), cells=(12, 8))
-    rims = [meshes.boundary_loops(ball)[k] for k in (0, 1)]
-    points = np.vstack([ball.points, [[0, 0, 0.3], [0, 0, -0.3]]])
-    cells = triangles(ball).cells
-    lids = [
-        [tip, following, point]
-        for rim in rims
-        for tip in [len(ball.points) + int(ball.points[rim[0], 2] < 0.0)]
-        for point, following in zip(rim, np.roll(rim, -1))
-    ]
-    return Surface(points, np.vstack([cells, lids]), source="mine.obj")
-
-
-def of_skirt(**changes):
-    return lambda: nameless(meshes.skirt(cell_size=0.04), **changes)
-
-
-def scaled(factor):
-    return lambda: meshes.trousers(cell_size=0.04).transform(scale=factor)
-
-
-@pytest.mark.parametrize(
-    "make, waist, sentence",
-    [
-        (of_skirt(), None, "mine.obj: there is no edge 'waist' .edges: none., name the waist"),
-        (of_skirt(), "belt", "there is no edge 'belt'"),
-        (of_skirt(), lambda x: x[:, 2] > 2.0, "selects no boundary segment"),
-        (of_skirt(), lambda x: x[:, 2] > -2.0, "selects points of 2 boundary loops, narrow it"),
-        (half_waist, None, "the edge 'waist' .8 points. is not one closed boundary loop"),
-        (upside_down, "highest", "2 boundary loops are equally high, about"),
-        (upside_down, None, "not above the edge at .* turn the garment upright"),
-        (two_pieces, None, r"the garment is in 2 pieces .cells 0 and \d+ are not joined."),
-        (closed, "highest", "the mesh is closed, open it at the waist"),
-        (mixed, None, "cells 4 and 5 face opposite sides, turn them with meshes.orient"),
-        (crowded, None, "belongs to 3 cells"),
-        (scaled(1000.0), None, "look like mm taken for m, .* give load.path, unit='mm'."),
-        (scaled(100.0), None, "look like cm taken for m, .* give load.path, unit='cm'."),
-        (scaled(1.0 / 0.0254), None, "look like in taken for m, .* unit='in'."),
-        (scaled(0.001), None, "waist measures 0.001 m .* look like m taken for mm, .* unit='m'."),
-        (scaled(1e-9), None, "nobody wears; scale it with"),
-    ],
-)
-def test_unwearable(make, waist, sentence):
-    with pytest.raises(MeshError, match=sentence) as caught:
-        meshes.worn(make(), waist)
-    assert str(caught.value).count("\n") == 0

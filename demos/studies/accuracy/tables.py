@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The tables of README from what was measured, shellform/accuracy/measured.csv; nothing is run.
+"""The tables of docs/accuracy.md from shellform/accuracy/measured.csv; nothing is run.
 
 `python -m demos.studies.accuracy.run --table` prints them.
 """
@@ -7,15 +7,15 @@
 import math
 
 from shellform.accuracy.choice import LEADING, WORDS, choose, percent
-from shellform.accuracy.error_law import cheapest
-from shellform.accuracy.measured import laws, read
+from shellform.accuracy.convergence import cheapest
+from shellform.accuracy.measured import power_laws, read
 
 ERRORS = (0.1, 0.03, 0.01, 0.003)
 KINDS = ("spread", "step", "trick")
 CALLED = {"spread": "another start", "step": "half the time step"}
 
 
-def lines():
+def table_lines():
     """The three tables in Markdown."""
     return [*meshes(), "", *words(), "", *changes()]
 
@@ -65,7 +65,7 @@ def words():
     """What the words choose in each scene: size of the cells, error; a star: not what was asked."""
     said = ["| scene | draft | standard | fine |", "|---|---|---|---|"]
     for case in LEADING:
-        if not laws(case, needed=False):
+        if not power_laws(case, needed=False):
             continue
         found = [choose(case, word, 1.0) for word in WORDS]
         cells = (

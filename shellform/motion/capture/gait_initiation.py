@@ -10,7 +10,10 @@ place in the axes of the segment above goes evenly from that of the standing pos
 first frame, as do the segment's own points.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from contact.body.segment_frame import pose_from_markers
@@ -20,7 +23,9 @@ ABOVE = {below: above for above, below, _ in JOINTS.values()}
 HINGE = {below: hinge for _, below, hinge in JOINTS.values()}
 
 
-def lead_in(recording, standing, seconds=1.0):
+def gait_initiation(
+    recording: Recording, standing: Mapping[str, ArrayLike], seconds: float = 1.0
+) -> Recording:
     """A recording with frames before its own in which the wearer gets going.
 
     Parameters
@@ -48,7 +53,8 @@ def lead_in(recording, standing, seconds=1.0):
     h = recording.times[1] - recording.times[0]
     even = (s**3 * (10 - 15 * s + 6 * s**2))[:, None]
 
-    places, turns, points = {}, {}, {}
+    places: dict[str, np.ndarray] = {}
+    turns, points = {}, {}
     for name in _from_the_root(recording.points):
         turn, local, hinge = frames[0][name]
         first = start[name]
@@ -59,7 +65,7 @@ def lead_in(recording, standing, seconds=1.0):
         way = _arrive(s, np.zeros(3), vector, rate * seconds)
         turns[name] = (first[0] * Rotation.from_rotvec(way)).as_matrix()
         above = ABOVE.get(name)
-        if above in recording.points:
+        if above is not None and above in recording.points:
             arm = first[2] + even * (hinge - first[2])
             places[name] = places[above] + np.einsum("nij,nj->ni", turns[above], arm)
         else:

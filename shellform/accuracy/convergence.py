@@ -3,26 +3,28 @@
 
     error^2 = (s C r^p + own)^2 + spread^2,   r = h/l,
 
-see accuracy.py for what h, l, s, spread and own are.
+see choice.py for what h, l, s, spread and own are.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 FLAT = 0.25  # an order below this is none
 
 
 @dataclass(frozen=True)
-class Law:
+class PowerLaw:
     """Relative error of a quantity over r = h/l.
 
     Attributes
     ----------
     factor, order : C and p; spread : see the header
-    scatter : >= 1, factor by which measured errors lie about the law
-    finest, coarsest : r measured; the law is not trusted above the coarsest
+    scatter : >= 1, factor by which measured errors lie about the power
+    finest, coarsest : r measured; the power is not trusted above the coarsest
     doubt : relative uncertainty of what errors were measured against
     """
 
@@ -34,28 +36,30 @@ class Law:
     coarsest: float = math.inf
     doubt: float = 0.0
 
-    def error(self, ratio, sensitivity=1.0, own=0.0):
+    def error(self, ratio: float, sensitivity: float = 1.0, own: float = 0.0) -> float:
         """Relative error at r."""
         return math.hypot(sensitivity * self.factor * ratio**self.order + own, self.spread)
 
-    def ratio(self, error, sensitivity=1.0, own=0.0):
+    def ratio(self, error: float, sensitivity: float = 1.0, own: float = 0.0) -> tuple[float, bool]:
         """Largest r that keeps an error, and whether it does.
 
         Where none does, r at which cells add no more than what stays anyway, half the finest
         measured at least.
         """
-        left = math.sqrt(max((error / self.scatter) ** 2 - self.spread**2, 0.0)) - own
-        goal = left if left > 0 else math.hypot(self.spread, own)
+        of_cells = math.sqrt(max((error / self.scatter) ** 2 - self.spread**2, 0.0)) - own
+        goal = of_cells if of_cells > 0 else math.hypot(self.spread, own)
         if self.order < FLAT:
             kept = self.error(self.finest, sensitivity, own) <= error
             return (self.coarsest if kept else self.finest), kept
         ratio = (goal / (sensitivity * self.factor)) ** (1 / self.order)
         lowest = 0.5 * self.finest
-        return min(max(ratio, lowest), self.coarsest), left > 0 and ratio >= lowest
+        return min(max(ratio, lowest), self.coarsest), of_cells > 0 and ratio >= lowest
 
 
-def fit(ratios, errors, unsure=0.0, spread=0.0):
-    """Law of measured errors, by least squares of the logarithms.
+def fit(
+    ratios: ArrayLike, errors: ArrayLike, unsure: ArrayLike = 0.0, spread: float = 0.0
+) -> PowerLaw:
+    """The power law of measured errors, by least squares of the logarithms.
 
     What lies within twice its uncertainty says nothing and is left out. While the coarsest point is
     the one farthest off the line, by more than a factor 1.3, it is left out as well: the power does
@@ -73,7 +77,7 @@ def fit(ratios, errors, unsure=0.0, spread=0.0):
     if keep.sum() < 2:
         # nothing but what stays anyway is seen
         level = math.sqrt(max(np.mean(e**2) - spread**2, 1e-30))
-        return Law(level, 0.0, spread, 1.5, r[0], r[-1], known)
+        return PowerLaw(level, 0.0, spread, 1.5, r[0], r[-1], known)
     r, e = r[keep], np.sqrt(e[keep] ** 2 - spread**2)
     while True:
         p, c = np.polyfit(np.log(r), np.log(e), 1)
@@ -85,11 +89,11 @@ def fit(ratios, errors, unsure=0.0, spread=0.0):
         p, c = 0.0, np.log(e).mean()
         off = np.log(e) - c
     scatter = float(np.exp(np.sqrt(np.mean(off**2))))
-    return Law(float(np.exp(c)), float(p), spread, max(scatter, 1.05), r[0], r[-1], known)
+    return PowerLaw(float(np.exp(c)), float(p), spread, max(scatter, 1.05), r[0], r[-1], known)
 
 
-def richardson(fine, coarse, by, order):
-    """What the fine value leaves, from a coarser one: |fine - coarse|/(by^order - 1).
+def richardson(fine: ArrayLike, coarse: ArrayLike, by: float, order: float) -> float:
+    """Error of the fine value, from a coarser one: |fine - coarse|/(by^order - 1).
 
     fine, coarse : float, or curves (k,): then the root mean square; by : ratio of the sizes
     """
@@ -97,33 +101,35 @@ def richardson(fine, coarse, by, order):
     return apart / (by ** max(order, 1.0) - 1)
 
 
-def companion(cells, fewest):
-    """Number of cells of a run beside one with `cells`: half of them, where errors are a power yet.
+def companion_cells(cells: int, fewest: int) -> int:
+    """Number of cells of a run to compare one of `cells` with: half of them.
 
-    Not below the `fewest` for which that was seen; and half as many again where these are nearly
-    all.
+    Not below the `fewest` for which errors are a power yet; half as many again where these are
+    nearly all.
     """
     fewer = max(round(cells / 2), fewest)
     return fewer if fewer <= 0.75 * cells else int(np.ceil(1.5 * cells))
 
 
-def left(apart, cells, beside, order):
-    """Error of a run with `cells` from what it differs by from one with `beside`, more or fewer."""
-    by = max(cells, beside) / min(cells, beside)
-    return richardson(apart, 0.0, by, order) * (1.0 if beside < cells else by ** max(order, 1.0))
+def companion_error(apart: float, cells: float, companion: float, order: float) -> float:
+    """Error of a run with `cells`, from its difference to one with `companion`, more or fewer."""
+    by = max(cells, companion) / min(cells, companion)
+    finer = companion > cells
+    return richardson(apart, 0.0, by, order) * (by ** max(order, 1.0) if finer else 1.0)
 
 
-def front(rows):
+def pareto_front(rows: Sequence[dict]) -> list[dict]:
     """Rows that no other beats in both `error` and `core_seconds`, the cheapest first."""
-    best, left = [], math.inf
+    best: list[dict] = []
+    lowest = math.inf
     for row in sorted(rows, key=lambda row: (row["core_seconds"], row["error"])):
-        if row["error"] < left:
+        if row["error"] < lowest:
             best.append(row)
-            left = row["error"]
+            lowest = row["error"]
     return best
 
 
-def cheapest(rows, error):
+def cheapest(rows: Sequence[dict], error: float) -> dict | None:
     """Cheapest row within an error, or None."""
     good = [row for row in rows if row["error"] <= error]
     return min(good, key=lambda row: row["core_seconds"], default=None)

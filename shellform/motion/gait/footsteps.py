@@ -1,19 +1,20 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The steps of a synthetic walk: where and when each foot comes down, and how it gets there.
 
-Numbers are for a stature of 1.755 m; their sources are told in `gait`.
+Numbers are for a stature of 1.755 m; their sources stand in `synthetic_walk`.
 """
 
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from shellform.motion.proportions import HIP_SPACING, SIGN
+from shellform.motion.proportions import HEEL, HIP_SPACING, SIGN, TOE
 from shellform.motion.recording import SIDES
 
-from .footfall import HEEL, TOE, Footfall, Swing
-from .obstacle_crossing import LEAD, TRAIL
+from .footfall import Footfall, Swing
+from .obstacle_crossing import LEAD, TRAIL, Crossing
 
 STEP, STEP_TIME = 0.66, 0.545  # [m], [s]
 SUPPORT = 0.090  # both feet on the floor after a heel strike [s]
@@ -30,7 +31,7 @@ FIRST_PITCHES = ((0.2, 0.5, 0.8), tuple(np.radians((-46.0, -12.0, 16.5))))
 LOWEST = 0.10  # the feet go over a lower obstacle as over this one [m]
 
 
-class Plan(NamedTuple):
+class Footsteps(NamedTuple):
     """Steps of a walk at a stature of 1.755 m: arrays with step 0 the foot that stands first.
 
     side : tuple of str; place, strike : (n,) float, ankle of the flat foot [m], heel strike [s];
@@ -48,12 +49,14 @@ class Plan(NamedTuple):
     height: float
     share: float
 
-    def crossing(self, i):
+    def crossing(self, i: int) -> Crossing | None:
         """How step i crosses, or None."""
         return None if self.lead is None else {self.lead: LEAD, self.lead + 1: TRAIL}.get(i)
 
 
-def plan_steps(strides, height, stride, stand, first, depth):
+def footsteps(
+    strides: int, height: float, stride: int, stand: float, first: str, depth: float
+) -> Footsteps:
     """Where and when the feet come down; two steps more than asked for, to go on smoothly."""
     n = 2 * strides + 3
     length, time = np.full(n, STEP), np.full(n, STEP_TIME)
@@ -70,30 +73,30 @@ def plan_steps(strides, height, stride, stand, first, depth):
     front = place[lead - 1] + TOE + LEAD.before if lead else np.nan
     other = SIDES[1 - SIDES.index(first)]
     side = tuple(first if i % 2 else other for i in range(n))
-    return Plan(side, place, stand + np.cumsum(time), stand, lead, front, depth, height, share)
+    return Footsteps(side, place, stand + np.cumsum(time), stand, lead, front, depth, height, share)
 
 
-def footfalls(plan):
+def footfalls(steps: Footsteps) -> dict[str, list[Footfall]]:
     """Footfalls by side; both feet stand at the origin first."""
-    falls = {side: [] for side in SIDES}
+    falls: dict[str, list[Footfall]] = {side: [] for side in SIDES}
     half = 0.5 * HIP_SPACING
-    off = plan.start + FIRST_OFF
-    rise = ((off - FIRST_RISE, 0.0), (off, FIRST_PITCH))
-    falls[plan.side[1]].append(Footfall(0.0, SIGN[plan.side[1]] * half, -np.inf, 0.0, rise))
-    for i in range(len(plan.side) - 1):
-        side, strike = plan.side[i], plan.strike[i]
-        off = plan.strike[i + 1] + SUPPORT
+    off = steps.start + FIRST_OFF
+    rise: tuple[tuple[float, float], ...] = ((off - FIRST_RISE, 0.0), (off, FIRST_PITCH))
+    falls[steps.side[1]].append(Footfall(0.0, SIGN[steps.side[1]] * half, -np.inf, 0.0, rise))
+    for i in range(len(steps.side) - 1):
+        side, strike = steps.side[i], steps.strike[i]
+        off = steps.strike[i + 1] + SUPPORT
         rise = ((off - RISE, 0.0), (off, OFF))
-        way = plan.crossing(i + 1)
+        way = steps.crossing(i + 1)
         if way:  # up on the forefoot while the other foot crosses
-            vault = ((off - before, plan.share * pitch) for before, pitch in way.vault)
+            vault = ((off - before, steps.share * pitch) for before, pitch in way.vault)
             rise = ((strike + SUPPORT + 0.08, 0.0), *vault, (off, OFF))
         begin = strike if i else -np.inf
-        falls[side].append(Footfall(plan.place[i], SIGN[side] * half, begin, strike + FLAT, rise))
+        falls[side].append(Footfall(steps.place[i], SIGN[side] * half, begin, strike + FLAT, rise))
     return falls
 
 
-def level_swings(falls):
+def level_swings(falls: Sequence[Footfall]) -> list[Swing]:
     """Swing from each footfall to the next."""
     out = []
     for begin, end in pairwise(falls):
@@ -105,7 +108,9 @@ def level_swings(falls):
     return out
 
 
-def events_of(falls, slow, end):
+def events_of(
+    falls: Mapping[str, Sequence[Footfall]], slow: float, end: float
+) -> tuple[tuple[str, float], ...]:
     """(name, time [s]) of heel strikes and toe-offs until the end, in order."""
     events = []
     for side in SIDES:

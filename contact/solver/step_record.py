@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The records that the kernels of contact share: what holds for a step, and what a node keeps.
+
+Kernels get these instead of long lists of arguments. A record is made once and filled anew.
+"""
+
+import numpy as np
+
+from .friction import PARAMETERS, Friction
+
+# one record for all nodes: the settings of the step, its counts, and the work on one node
+STEP = np.dtype(
+    [
+        # settings
+        ("dt", float),  # [s]
+        ("friction", float, PARAMETERS),  # numbers of the law, see friction.py
+        ("offset", float),  # from the skin at which cloth is held [m]
+        ("recovery", float),  # way out of a body in one step for a node that starts inside [m]
+        ("flesh", float),  # stiffness of soft segments over areal mass [1/s^2], see soft_contact.py
+        # motion of the body
+        ("path", float),  # way of the surfaces in all steps before [m]
+        ("motion", float),  # most that any surface point moves in this one [m]
+        ("thinnest", float),  # smallest inner radius of all segments [m]
+        # counts and greatest depths of all nodes
+        ("evaluated", np.int64),  # closest points
+        ("active", np.int64),  # nodes in contact
+        ("sticking", np.int64),  # of these in stick
+        ("pinched", np.int64),  # nodes in soft segments, or left no room by hard ones
+        ("max_depth", float),  # of a start below the offset surface [m]
+        ("pinch_depth", float),  # the same of pinched nodes [m]
+        # the node at work: steps [m]
+        ("kick", float, 3),  # change of velocity by the forces of this step [m/s]
+        ("free", float, 3),  # step without contact
+        ("step", float, 3),  # step as corrected so far
+        ("at", float, 3),  # where the path has come to
+        ("tau", float),  # fraction of the step at that place
+        ("trial", float, 3),  # step with friction, before normals
+        ("change", float, 3),  # of the velocity by contact [m/s]
+        ("impulse", float, 3),  # of one plane [N s]
+        ("clearance", float),  # what is left of the node's clearance [m], see broad_phase.py
+        # the node at work: planes found
+        ("count", np.int64),  # of hard segments
+        ("soft", np.int64),  # of soft segments
+        ("pushing", np.int64),  # planes that push, or PINCHED
+        ("first", np.int64),  # plane of the segment touched last, or -1
+        ("inside", np.int64),  # planes found last that have the node deep inside
+        ("stick", np.bool_),
+        ("depth", float),  # of the start [m]
+        ("roundoff", float),  # of the distances [m]
+    ],
+    align=True,
+)
+
+# one record per node, kept from step to step
+NODE = np.dtype(
+    [
+        ("allowed", np.int64),  # set of segments it can touch
+        ("segment", np.int64),  # touched in the last step, -1: none
+        ("penetrated", np.int64),  # set of soft segments it lies in
+        # broad phase, see broad_phase.py
+        ("place", float, 3),  # where distances were measured [m]
+        ("far", np.int64),  # set of segments that were not near
+        ("clearance", float),  # distance to the nearest of these [m]; negative: measure anew
+        ("path", float),  # way of the surfaces up to then [m]
+        ("fixed", np.bool_),  # of prescribed motion: left alone
+    ],
+    align=True,
+)
+
+
+def step_record(friction: Friction, offset: float) -> np.ndarray:
+    """Record (1,) STEP with its settings; dt and recovery are those of a step."""
+    record = np.zeros(1, STEP)
+    record["offset"], record["flesh"] = offset, np.inf
+    set_friction(record, friction)
+    return record
+
+
+def set_friction(record: np.ndarray, friction: Friction) -> None:
+    """Put the numbers of a law into a record (1,) STEP."""
+    record["friction"] = 0.0
+    record["friction"][0, : len(friction.parameters)] = friction.parameters

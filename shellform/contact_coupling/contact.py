@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Contact of a sheet with a body, said once for explicit and implicit steps: Eqs. 15 and 16.
+
+`stepper.add(Contact(body))` gives the running contact of that stepper: `ExplicitContact` or
+`ImplicitContact`.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from contact.body.segments import Body
+from shellform.dynamics.part import RunningContact
+
+
+@dataclass(frozen=True)
+class Contact:
+    """How a sheet meets a body.
+
+    Parameters
+    ----------
+    body : Body, a Wearer among them
+    friction : float, (mu_s, mu_k) or a law, see contact/solver/friction.py
+    offset : float [m] or None: half the fabric's thickness
+    samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell (explicit
+        steps)
+    flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
+        each other (explicit steps, contact/solver/soft_contact.py); None: hard
+    recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
+
+    Examples
+    --------
+    >>> import meshes, shellform as sf
+    >>> fabric = sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)
+    >>> shell = sf.Shell(meshes.rectangle(0.4, 0.4, (4, 4)), fabric)
+    >>> shell.loads.gravity()
+    >>> stepper = sf.Newmark(shell)
+    >>> ball = sf.Body([sf.Segment("ball", [0.2] * 3, sf.Fixed((0.2, 0.2, -0.202)))])
+    >>> contact = stepper.add(sf.Contact(ball, friction=0.3))
+    >>> stepper.advance(0.05)
+    >>> bool(contact.window.impulse[:, 2].sum() > 0)
+    True
+    """
+
+    body: Body
+    friction: Any = 0.3
+    offset: float | None = None
+    samples: int | str = "nodes"
+    flesh_stiffness: float | None = None
+    recovery: float = 0.1
+
+    def attach(self, stepper: Any) -> RunningContact:
+        """The running contact of a stepper.
+
+        Raises
+        ------
+        ValueError for values out of range, for a stepper that has a contact already or a ledger
+        that was added before, and for samples or soft flesh under implicit steps
+        """
+        # each kind of contact is loaded with the steps that need it
+        if stepper.implicit:
+            if self.samples not in ("nodes", 0):
+                raise ValueError(
+                    f"implicit steps meet the body at nodes, not at {self.samples} samples a cell: "
+                    "leave `samples` out, or take Newmark"
+                )
+            if self.flesh_stiffness is not None:
+                raise ValueError(
+                    f"implicit steps know no soft flesh, as of {self.flesh_stiffness} Pa/m: leave "
+                    "`flesh_stiffness` out, or take Newmark"
+                )
+            from .implicit_contact import ImplicitContact
+
+            running = ImplicitContact(stepper, self.body, self.friction, self.offset, self.recovery)
+            return running.attach(stepper)
+        from .explicit_contact import ExplicitContact
+
+        met = ExplicitContact(
+            stepper, self.body, self.friction, self.offset, self.samples, self.flesh_stiffness,
+            self.recovery,
+        )  # fmt: skip
+        return met.attach(stepper)
+
+
+def require_contact(stepper: Any, what: str) -> Any:
+    """The explicit contact of a stepper; ValueError where `what` is asked for without one."""
+    contact = stepper.contact
+    if contact is None:
+        raise ValueError(
+            f"{what} needs a contact: first contact = stepper.add(Contact(body)), then the rest"
+        )
+    if stepper.implicit:
+        raise ValueError(f"{what} is booked in explicit steps only: take Newmark")
+    return contact

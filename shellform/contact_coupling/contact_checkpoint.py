@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a contact of explicit steps needs to go on, in the surface's own numbering.
+
+Segments touched, soft ones lain in, and what is out of reach, by nodes and by cells that have
+samples; the window of the books.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def saved(contact: Any) -> dict[str, Any]:
+    """Arrays of a contact for a checkpoint, those of rank 0 complete; all ranks call.
+
+    By nodes (n, 2) and by cells (cells, samples a cell, 2) int: segment touched, set of soft ones.
+    Looks (n, 6) and (cells, samples a cell, 6) float, see `VelocityCorrection.looks`.
+    """
+    shell, window = contact.stepper.shell, contact.window
+    partition, comm = shell.partition, shell.comm
+    # whole numbers travel as the floats of the same bits: sets of segments may need all 64
+    nodes = partition.gather(_of(contact.correction).view(float), root=0)
+    whole = {"segment": None if nodes is None else nodes.view(np.int64)}
+    looks, whole["look_body"] = contact.correction.looks()
+    whole["look"] = partition.gather(looks, root=0)
+    if contact.inner is not None:
+        cells = partition.nodes[contact.cells]
+        looks, whole["sample_look_body"] = contact.inner.looks()
+        looks = looks.reshape(len(cells), -1, 6)
+        parts = comm.gather((cells, _by_cell(contact), looks), 0)
+        if parts is not None:
+            names = "sample_cells", "sample_segment", "sample_look"
+            whole |= {k: np.concatenate(part) for k, part in zip(names, zip(*parts), strict=True)}
+    whole["window_impulse"] = partition.gather(window.impulse, root=0)
+    whole["window_table"] = comm.allreduce(window.table)
+    whole["window_seconds"] = np.array(window.seconds)
+    return whole
+
+
+def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None:
+    """Set this rank's part of what `saved` gave, read from the file `path`."""
+    shell, window = contact.stepper.shell, contact.window
+    partition, nodes = shell.partition, shell.partition.owned_nodes
+    _set(contact.correction, state["segment"][nodes])
+    contact.correction.take_looks(state["look"][nodes], state["look_body"])
+    if contact.inner is not None:
+        kept, own = state.get("sample_segment"), _by_cell(contact)
+        if kept is None or kept.shape[1] != own.shape[1]:
+            raise ValueError(
+                f"{path} holds no contact of {own.shape[1]} samples a cell: "
+                "go on with the samples it was written with"
+            )
+        rows = {tuple(sorted(cell)): row for row, cell in enumerate(state["sample_cells"].tolist())}
+        cells = partition.nodes[contact.cells].tolist()
+        order = [rows[tuple(sorted(cell))] for cell in cells]
+        _set(contact.inner, kept[order].reshape(-1, 2))
+        looks = state["sample_look"][order].reshape(-1, 6)
+        contact.inner.take_looks(looks, state["sample_look_body"])
+    window.impulse[:] = state["window_impulse"][nodes]
+    # sums over ranks live on the first one
+    window.table[:] = state["window_table"] if shell.comm.rank == 0 else 0.0
+    window.seconds = float(state["window_seconds"])
+
+
+def _of(correction):
+    """Segments touched and soft ones lain in (n, 2)."""
+    return np.stack([correction.segment, correction.penetrated], axis=1)
+
+
+def _set(correction, both):
+    correction.segment[:], correction.penetrated[:] = both.T
+
+
+def _by_cell(contact):
+    """`_of` the samples, (cells, samples a cell, 2)."""
+    return _of(contact.inner).reshape(len(contact.cells), -1, 2)

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""How a garment sits: depth in the body, stretch of the cloth, what the belt presses with."""
+
+import numpy as np
+
+from meshes import Surface
+from shellform.contact_coupling.contact import require_contact
+from shellform.dynamics.explicit import Newmark
+from shellform.fem.arc import arc_lengths
+
+from .belt import Belt, Ring
+
+AWAY = 2  # cells from the waist that count as the belt's
+
+
+def fit(stepper: Newmark, belt: Belt) -> dict:
+    """How the garment sits: depth in the body, stretch, what the belt does; on all ranks.
+
+    `belt_tension` is measured by what holds against it: a cable presses with its tension times the
+    angle by which it turns. On the nodes of the waist that is the outward force of the body,
+    which is `belt_pressed` by itself, and that of the cloth, which is gathered and resists.
+    `stretch` is the largest `elongation` of the cloth along a cell edge farther from the waist.
+    """
+    shell, contact = stepper.shell, require_contact(stepper, "the fit of a garment")
+    comm, surface = shell.comm, shell.surface
+    contact.reset()
+    # drag of the air would take dt/2 of its rate off the contact forces
+    drag, stepper.drag = stepper.drag, 0.0
+    stepper.advance(stepper.time + 200 * stepper.dt)
+    stepper.drag = drag
+    ring = Ring(stepper, "waist")
+    x = ring.look(stepper)
+    body, cloth = np.zeros((2, *x.shape))
+    body[ring.mine] = (contact.window.impulse / contact.window.seconds)[ring.own]
+    cloth[ring.mine] = -stepper.internal_force()[ring.own, :3]
+    along = np.roll(x, -1, axis=0) - x
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    turn = np.roll(along, 1, axis=0) - along
+    size = np.linalg.norm(turn, axis=1)
+    outward = turn / np.maximum(size, 1e-12)[:, None]
+    pressed, resisted = (
+        float(np.sum(comm.allreduce(force) * outward) / size.sum()) for force in (body, cloth)
+    )
+    return {
+        "depth": max(comm.allgather(max(contact.max_depth, 0.0))),
+        "stretch": float(elongation(shell.positions(), shell.directors(), surface).max()),
+        "belt_asked": belt.tension,
+        "belt_tension": pressed + resisted,
+        "belt_pressed": pressed,
+        "pinched": comm.allreduce(contact.pinched),
+    }
+
+
+def near_waist(surface: Surface) -> np.ndarray:
+    """Mask (n,) of the points at the waist and up to AWAY cells from it."""
+    cells = surface.cells[:, :4]
+    near = np.zeros(len(surface.points), bool)
+    near[np.unique(surface.edges["waist"])] = True
+    for _ in range(AWAY):
+        near[np.unique(cells[near[cells].any(axis=1)])] = True
+    return near
+
+
+def elongation(positions: np.ndarray, directors: np.ndarray, surface: Surface) -> np.ndarray:
+    """Elongation (k,) of the cloth along the cell edges that are not `near_waist`.
+
+    Of its length, not of the distance of the nodes: at the fork the cloth turns by 90 degrees along
+    an edge, and a fold that opens moves its ends apart by up to 10 % without any strain.
+    """
+    near, cells = near_waist(surface), surface.cells[:, :4]
+    pairs = np.stack([cells, np.roll(cells, -1, axis=1)], 2).reshape(-1, 2)
+    pairs = pairs[~near[pairs].any(axis=1)]
+    at_rest = np.asarray(surface.directors)
+    now = arc_lengths(positions[pairs], directors[pairs])
+    return now / arc_lengths(surface.points[pairs], at_rest[pairs]) - 1

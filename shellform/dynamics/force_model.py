@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What pushes the nodes of explicit steps from inside: Eq. 14 for a shell, Sec. 2.1 for springs.
+
+`Newmark` steps M a = f_ext - r for any r. A force model gives r, its energy, what damping takes,
+and a linear stand-in from which the stable step follows. `ShellForce` is the director shell,
+`Springs` are those of `Particles`; a third one needs the methods below and goes in as
+`Newmark(shell, force_model=...)`.
+"""
+
+from typing import Any, Protocol
+
+import numpy as np
+
+
+class ForceModel(Protocol):
+    """Internal forces of the owned nodes of a sheet.
+
+    Fields: w (n_local, 6), displacements [m] and directors, ghosts valid; v, q (n_owned, 3), their
+    rates [m/s, 1/s]. Forces: (n_owned, 6), work-conjugate to displacement and director [N, N m].
+
+    Attributes
+    ----------
+    turns_directors : bool; False: directors are held, as the forces know none
+    """
+
+    turns_directors: bool
+
+    def force(self, w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float) -> np.ndarray:
+        """Forces with damping, at a time [s]; may be written over by the next call."""
+
+    def elastic(self, w: np.ndarray) -> np.ndarray:
+        """Forces without damping, smooth in w: their differences give the stable step."""
+
+    def energy(self, w: np.ndarray) -> dict[str, float]:
+        """Strain energy [J] by kind of term, over all ranks; all ranks call."""
+
+    def damping_loss(self, v_old: np.ndarray, v: np.ndarray, dt: float, last: float) -> float:
+        """What damping takes on this rank [J] while the forces of the last call of `force` act.
+
+        v_old, v : (n_owned, 3) [m/s], at the start and at the end of these dt [s]
+        last : float [s], duration of the kick before
+        """
+
+    def describe(self) -> dict[str, Any]:
+        """Terms of the model for the plan of a run: `terms`, `loads` and more."""

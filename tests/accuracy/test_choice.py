@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Cells chosen by the error asked for, and predictions kept on scenes that were held out."""
+
+import pytest
+
+from demos.studies.accuracy import run as study
+from demos.studies.accuracy.held_out import SCENES, measure
+from shellform.accuracy import measured
+from shellform.accuracy.choice import choose, relative_error
+from shellform.scene.parts import Steps
+from shellform.scene.scene import Scene
+from shellform.simulation.prediction import tricks
+
+pytestmark = pytest.mark.serial
+
+
+@pytest.mark.parametrize("case", ["roll_up", "capstan", "strip", "sleeve", "drape"])
+def test_less_error_takes_finer_cells(case):
+    """Sizes fall with the error asked for; what is promised is also predicted."""
+    choices = [choose(case, error, 0.1) for error in (0.1, 0.03, 0.01, 0.003, 0.001)]
+    sizes = [choice.size for choice in choices]
+    assert sizes == sorted(sizes, reverse=True) and sizes[0] > sizes[-1]
+    for choice in choices:
+        assert not choice.kept or choice.error <= choice.asked * (1 + 1e-9)
+    longer = choose(case, 0.03, 0.2)
+    assert longer.size == pytest.approx(2 * choose(case, 0.03, 0.1).size)
+
+
+def test_the_cheaper_family_is_chosen():
+    cost = {"quads": 1.0, "nine-node quads": 2.0}
+    for wins in cost:
+        cost = dict.fromkeys(cost, 2.0) | {wins: 1.0}
+        found = choose(
+            "roll_up", 0.01, 1.0, families=list(cost), work=lambda family, _: cost[family]
+        )
+        assert found.family == wins
+
+
+def test_what_cannot_be_promised_is_told():
+    """A walk repeats to some percent only: 0.1 % is refused in words, with what it leaves."""
+    choice = choose("walk", "0.1%", 0.0175)
+    assert not choice.kept
+    assert "0.1% of torque cannot be promised" in choice.lines()[-1]
+    words = [choose("walk", word, 0.0175) for word in ("draft", "standard", "fine")]
+    # a word fixes the cells of a garment; that they leave what the word says is not claimed
+    assert all(word.kept and word.summary(None, "")["promised"] is False for word in words)
+    for word in words:
+        # folds choose among many states: what is lost to that is told with every choice
+        assert any("of torque another start alone changes" in line for line in word.lines())
+        assert word.error > word.power_law.spread > 0.05
+
+
+@pytest.mark.parametrize("wrong", ["0%", "banana", "100%", "-3%", "3", "", "nan%", 0.0, 2, None])
+def test_errors_that_are_none(wrong):
+    with pytest.raises(ValueError, match="draft, standard, fine or a percentage"):
+        relative_error(wrong)
+
+
+def test_words_are_errors():
+    words = [relative_error(word) for word in ("draft", "standard", "fine")]
+    assert words == [relative_error(text) for text in ("3%", "1%", "0.1%")]
+
+
+LONG = {"drape", "sleeve"}  # of which a mesh of about half the size takes more than ten seconds
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(one, id=one[0], marks=[pytest.mark.slow] if one[1] in LONG else [])
+        for one in SCENES
+    ],
+)
+def test_predictions_hold_on_scenes_held_out(scene):
+    row = measure(*scene)
+    assert row["promised"] and row["asked_kept"]
+    assert row["within"]
+
+
+def test_tricks_are_named_with_what_they_change(tmp_path):
+    """As measured; of one that was not measured nothing is said."""
+    row = {"case": "sleeve", "family": "mass 4", "kind": "trick", "relative_cost": 0.5}
+    rows = [
+        row | {"quantity": name, "error": e} for name, e in (("torque", 0.02), ("energy", 0.01))
+    ]
+    table = tmp_path / "table.csv"
+    table.write_text(study.table_text(rows, measured.COLUMNS))
+    assert measured.tricks("sleeve", ["mass 4", "rotary 9"], table) == {
+        "mass 4": {"torque": 0.02, "energy": 0.01, "cost": 0.5}, "rotary 9": {}
+    }  # fmt: skip
+    particles = tricks(Scene(steps=Steps(dressing="particles")))
+    assert set(particles) == {"dressed by particles"} and tricks(Scene()) == {}

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A law of friction that depends on the slip velocity, in one file: all that a new law needs.
+
+Stribeck's curve: mu falls from the static to the kinetic coefficient as the slip gets faster,
+mu(v) = mu_k + (mu_s - mu_k) exp(-v / v_s) (R. Stribeck, 1902; the exponential form is Bo and
+Pavelescu's, Wear 82, 1982).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from contact.body.segments import Body, Fixed, Segment
+from contact.kernel import kernel
+from contact.solver.active_set import judge_kernel
+from contact.solver.contact_ledger import BOOKED, FRICTION
+from contact.solver.friction import Friction, as_friction
+from contact.solver.held_nodes import SLIP, STICK, SolvedStep, new, push_kernel
+from contact.solver.segment_motion import segment_records, set_motion
+from contact.solver.step_record import step_record
+from contact.solver.velocity_correction import VelocityCorrection
+from tests.contact.solver.bodies import G, spheres
+
+
+@kernel
+def _stribeck(speed, parameters):
+    mu_s, mu_k, scale = parameters[0], parameters[1], parameters[2]
+    return mu_k + (mu_s - mu_k) * np.exp(-speed / scale)
+
+
+@dataclass(frozen=True)
+class Stribeck(Friction):
+    """Friction that falls with the slip speed; `scale` is where most of the fall is done [m/s]."""
+
+    scale: float = 0.1
+
+    kinetic_coefficient = staticmethod(_stribeck)
+
+    @property
+    def parameters(self):
+        return *super().parameters, self.scale
+
+    def at(self, speed):
+        """mu at a slip speed [m/s]."""
+        return self.kinetic + (self.static - self.kinetic) * np.exp(-speed / self.scale)
+
+
+LAW = Stribeck(0.6, 0.2, scale=0.5)
+PLAIN = 1e6  # radius of a sphere that is a plain, for a way of metres [m]
+
+
+def thrown(law, speed, seconds, dt):
+    """Speeds of a node thrown along a plain, step by step."""
+    correction = VelocityCorrection(spheres((0, 0, -PLAIN), radius=PLAIN), 1, law)
+    x, v, speeds = np.zeros((1, 3)), np.array([[speed, 0.0, 0.0]]), []
+    for step in range(round(seconds / dt)):
+        v[0, 2] -= G * dt
+        correction(x, v, np.array([0.3]), dt, step * dt)
+        x += dt * v
+        speeds.append(v[0, 0])
+    return np.array(speeds), correction
+
+
+def test_a_thrown_node_slows_down_as_the_equation_says():
+    """dv/dt = -mu(v) g, against an integrator of high order; the error is of first order."""
+    exact = solve_ivp(lambda t, v: -LAW.at(v) * G, (0, 0.5), [2.0], rtol=1e-10, atol=1e-12)
+    errors = []
+    for dt in (4e-3, 2e-3, 1e-3):
+        speeds, correction = thrown(LAW, 2.0, 0.5, dt)
+        assert correction.sticking == 0 and speeds[-1] > 0.3
+        errors.append(abs(speeds[-1] - exact.y[0, -1]))
+    assert errors[0] < 5e-3
+    assert np.abs(np.array(errors[:-1]) / errors[1:] - 2).max() < 0.1
+    # and the law makes a difference: neither coefficient alone comes near
+    for mu in (0.2, 0.6):
+        assert abs(thrown(mu, 2.0, 0.5, 1e-3)[0][-1] - exact.y[0, -1]) > 20 * errors[0]
+
+
+def test_it_comes_to_rest_and_sticks_below_the_static_cone():
+    speeds, correction = thrown(LAW, 0.5, 0.3, 1e-3)
+    assert abs(speeds[-1]) < 1e-12 and correction.sticking == 1
+    book = correction.window
+    assert book.friction_loss.sum() == pytest.approx(0.5 * 0.3 * 0.5**2, rel=1e-3)
+
+
+def test_a_constant_law_is_the_default_bit_for_bit():
+    flat = Stribeck(0.3, 0.3)
+    assert np.array_equal(thrown(flat, 1.0, 0.2, 1e-3)[0], thrown(0.3, 1.0, 0.2, 1e-3)[0])
+
+
+def test_the_law_may_change_between_steps():
+    correction = VelocityCorrection(spheres((0, 0, -PLAIN), radius=PLAIN), 1, 0.3)
+    assert correction.friction == Friction(0.3)
+    slowed = []
+    for law in (LAW, 0.6, (0.6, 0.2), LAW):
+        correction.friction = law
+        assert correction.friction == as_friction(law)
+        v = np.array([[1.0, 0.0, -0.01]])
+        correction(np.zeros((1, 3)), v, np.ones(1), 1e-3, 0.0)
+        slowed.append(1.0 - v[0, 0])
+    expected = [LAW.at(1.0), 0.6, 0.2, LAW.at(1.0)]
+    assert slowed == pytest.approx(0.01 * np.array(expected), rel=1e-9)
+
+
+def held_on_a_plain(law, state, dt):
+    """Segments, step and set of one node that slips or sticks on a plain."""
+    body = Body([Segment("plain", [PLAIN] * 3, Fixed((0.0, 0.0, -PLAIN)))])
+    pose, segments, step = body.new_pose(), segment_records(body), step_record(law, 0.0)
+    step["dt"] = dt
+    set_motion(pose.centres, pose.axes, pose.centres, pose.axes, 0.0, segments)
+    nodes = new(1)
+    nodes.state[:], nodes.owner[:, 0], nodes.normal[:, 0, 2] = state, 0, 1.0
+    return segments, step[0], nodes, pose
+
+
+def test_implicit_steps_push_with_the_same_law():
+    """One solved step: the impulse is mu(v) of the normal one, and its loss is booked."""
+    dt, mass, speed, zero = 0.01, np.array([0.3]), 0.4, np.zeros((1, 3))
+    segments, work, nodes, pose = held_on_a_plain(LAW, SLIP, dt)
+    v = np.array([[speed, 0.0, -G * dt]])
+    solved = SolvedStep(zero, v, np.array([[speed, 0.0, 0.0]]), zero, dt * v, zero, mass)
+    impulse, book, pushed = np.zeros((1, 3)), np.zeros((1, BOOKED)), np.zeros((1, 3))
+    push = push_kernel(LAW.kinetic_coefficient)
+    held = push(
+        solved, pose.velocities, pose.spins, segments, work, nodes.state, nodes, impulse, book,
+        pushed,
+    )  # fmt: skip
+    assert held == (1, 0)
+    mu = LAW.at(speed)
+    assert impulse[0] == pytest.approx(0.3 * G * dt * np.array([-mu, 0.0, 1.0]), abs=1e-15)
+    assert v[0] == pytest.approx([speed - mu * G * dt, 0.0, 0.0], abs=1e-15)
+    loss = 0.3 * mu * G * dt * (speed - 0.5 * mu * G * dt)
+    assert book[0, FRICTION] == pytest.approx(loss, rel=1e-12)
+
+
+def test_implicit_steps_load_slipping_nodes_with_the_same_law():
+    """The return map: friction against the way of the step, mu(way / dt) of the normal force."""
+    dt, way = 0.01, 3e-3
+    judge = judge_kernel(LAW.kinetic_coefficient)
+    segments, work, nodes, _ = held_on_a_plain(LAW, SLIP, dt)
+    x1, pull = np.array([[way, 0.0, 0.0]]), np.array([1e5])
+    reaction = np.array([[0.0, 0.0, 2.0]])
+    judge(np.zeros((1, 3)), x1, reaction, pull, segments, work, nodes)
+    assert nodes.state[0] == SLIP
+    assert nodes.load[0] == pytest.approx([-2.0 * LAW.at(way / dt), 0.0, 0.0], rel=1e-6, abs=1e-8)
+    # too slow to need all of it: sticks
+    x1[0, 0] = 1e-6
+    nodes.load[:] = 0.0
+    judge(np.zeros((1, 3)), x1, reaction, pull, segments, work, nodes)
+    assert nodes.state[0] == STICK

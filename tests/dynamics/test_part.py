@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a stepper takes as a part, in which order, and what it refuses with a sentence."""
+
+import numpy as np
+import pytest
+
+import meshes
+from contact.body.segments import Body, Fixed, Segment
+from shellform import Fabric, Shell
+from shellform.contact_coupling.contact import Contact
+from shellform.contact_coupling.explicit_contact import ExplicitContact
+from shellform.contact_coupling.implicit_contact import ImplicitContact
+from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.implicit import ImplicitNewmark
+from shellform.dynamics.part import AppliedForce, Part
+from shellform.results.joint_torque import Torque
+from shellform.results.ledger import Ledger
+
+
+def sheet(gravity=0.0):
+    shell = Shell(meshes.rectangle(0.4, 0.4, (4, 4)), Fabric.isotropic(1e5, 0.3, 1e-3, 200.0))
+    if gravity:
+        shell.loads.gravity((0.0, 0.0, -gravity))
+    return shell
+
+
+def ball():
+    return Body([Segment("ball", [0.3] * 3, Fixed((0.2, 0.2, -0.302)))])
+
+
+class Counter(Part):
+    """Counts the steps that were not taken back."""
+
+    def __init__(self):
+        self.count = 0
+
+    def __call__(self, stepper, dt):
+        self.count += 1
+
+    def state(self):
+        return self.count
+
+    def restore(self, state):
+        self.count = state
+
+
+def test_parts_have_their_turn_in_the_order_of_adding():
+    stepper, order = Newmark(sheet()), []
+    one = stepper.add(lambda stepper, dt: order.append(("one", stepper.steps, dt)))
+    counter = stepper.add(Counter())
+    stepper.add(lambda stepper, dt: order.append(("two", counter.count, dt)))
+    stepper.step(1e-4)
+    stepper.remove(one)
+    stepper.step(2e-4)
+    assert order == [("one", 0, 1e-4), ("two", 1, 1e-4), ("two", 2, 2e-4)]
+    assert counter.stepper is stepper
+
+
+def test_a_part_goes_back_with_the_steps():
+    """Steps that diverge are taken back: the part has counted those that led to the end."""
+    stepper = Newmark(sheet())
+    stepper.recheck, counter, late = 20, stepper.add(Counter()), []
+
+    def lose_once(stepper, dt):
+        if stepper.steps == 50 and not late:
+            late.append(stepper.time)
+            stepper.v[:] = np.nan
+
+    stepper.add(lose_once)
+    stepper.advance(100 * stepper.dt)
+    assert stepper.rewind.cutbacks == 1 and late
+    assert counter.count == stepper.steps
+
+
+@pytest.mark.parametrize("implicit", [False, True])
+def test_contact_is_that_of_the_stepper(implicit):
+    stepper = ImplicitNewmark(sheet(), 1e-3) if implicit else Newmark(sheet())
+    contact = stepper.add(Contact(ball(), friction=(0.5, 0.4)))
+    assert type(contact) is (ImplicitContact if implicit else ExplicitContact)
+    assert stepper.contact is contact
+    assert stepper.describe()["contact"] == ["ball"]
+    assert stepper.describe()["friction"] == [0.5, 0.4]
+    with pytest.raises(ValueError, match="give all segments to one Body"):
+        stepper.add(Contact(ball()))
+
+
+@pytest.mark.parametrize("implicit", [False, True])
+def test_a_ledger_without_contact(implicit):
+    """Momentum of a falling sheet: weight times time, nothing left over."""
+    shell = sheet(gravity=9.81)
+    stepper = ImplicitNewmark(shell, 5e-3) if implicit else Newmark(shell)
+    ledger = stepper.add(Ledger())
+    stepper.advance(0.05)
+    row = ledger.record()
+    weight = 9.81 * stepper.shell.comm.allreduce(stepper.mass.sum())
+    # explicit steps know velocities half a step before
+    time = 0.05 if implicit else 0.05 - 0.5 * stepper.clock.last_dt
+    assert row["momentum_z"] == pytest.approx(-weight * time, rel=1e-10)
+    assert row["momentum_residual"] < 1e-12 * weight
+    assert not any(name.startswith("force_") for name in row)
+
+
+def test_wrong_orders_and_kinds_are_refused():
+    stepper = Newmark(sheet())
+    with pytest.raises(TypeError, match="functions of \\(stepper, dt\\), not 3"):
+        stepper.add(3)
+    with pytest.raises(ValueError, match=r"a Ledger runs with a stepper: stepper.add\(Ledger"):
+        Ledger().record()
+    with pytest.raises(ValueError, match="torque about the joints needs a contact"):
+        stepper.add(Torque())
+    ledger = stepper.add(Ledger())
+    with pytest.raises(ValueError, match="add the contact before Ledger"):
+        stepper.add(Contact(ball()))
+    assert stepper.contact is None
+    with pytest.raises(ValueError, match="runs with one stepper only"):
+        Newmark(sheet()).add(ledger)
+
+
+def test_torque_needs_a_wearer_and_explicit_steps():
+    stepper = Newmark(sheet())
+    stepper.add(Contact(ball()))
+    with pytest.raises(ValueError, match="is a Body of ball: give Contact a Wearer"):
+        stepper.add(Torque())
+    implicit = ImplicitNewmark(sheet(), 1e-3)
+    implicit.add(Contact(ball()))
+    with pytest.raises(ValueError, match="in explicit steps only"):
+        implicit.add(Torque())
+
+
+def test_what_implicit_steps_do_not_know():
+    stepper = ImplicitNewmark(sheet(), 1e-3)
+    with pytest.raises(ValueError, match="at nodes, not at 2 samples a cell"):
+        stepper.add(Contact(ball(), samples=2))
+    with pytest.raises(ValueError, match="no soft flesh, as of 10000"):
+        stepper.add(Contact(ball(), flesh_stiffness=1e4))
+    with pytest.raises(ValueError, match=r"Wind pushes nodes .* explicit steps only"):
+        stepper.add(type("Wind", (AppliedForce,), {})())
