@@ -94,13 +94,19 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
 
 
 def be_quiet() -> None:
-    """Warnings of ours as sentences of rank 0; nothing of what other packages log."""
+    """Warnings and notes of ours as sentences of rank 0; nothing of what other packages log."""
     warnings.showwarning = _show_warning
     # packages below log to the root logger, some by logging.info, which would set it up: it stays
     # as quiet as it is before
     root = logging.getLogger()
     if not root.handlers:
         root.addHandler(logging.NullHandler())
+    # notes, as of how long forms were compiled
+    log = logging.getLogger("shellform")
+    log.setLevel(logging.WARNING if MPI.COMM_WORLD.rank else logging.INFO)
+    log.propagate = False
+    if not log.handlers:
+        log.addHandler(logging.StreamHandler())
 
 
 def _show_warning(message, category, filename, lineno, file=None, line=None):

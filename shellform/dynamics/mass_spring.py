@@ -16,6 +16,7 @@ import numpy as np
 
 from contact.kernel import kernel
 from shellform.fem.shell import Shell
+from shellform.material.energy import StVenant
 
 from .explicit import Newmark, check_settings
 from .explicit_kernels import Forces
@@ -135,6 +136,11 @@ class Particles(Newmark):
             )
         if shell.loads.pressures or shell.loads.moments:
             raise ValueError("particles carry forces only, no pressure and no moments")
+        if type(shell.law) is not StVenant:
+            raise ValueError(
+                f"springs follow the default law of a sheet, not {shell.law!r}: use Newmark, or "
+                "make the shell without `law`"
+            )
         check_settings(time_step_factor, damping, drag)
         if strain_limit is not None and not strain_limit > 0:
             raise ValueError(f"a strain limit is above zero, as 0.1, not {strain_limit}")

@@ -88,9 +88,8 @@ class Sheet:
 
     def _fourth_moment(self) -> np.ndarray:
         A, B, D = self.membrane, self.coupling, self.bending
-        rest: np.ndarray = A - B @ np.linalg.solve(
-            D, B
-        )  # what stretching alone costs when free to bend
+        # what stretching alone costs when free to bend
+        rest: np.ndarray = A - B @ np.linalg.solve(D, B)
         check_definite("A - B D^-1 B", rest, "N/m", " The coupling is too large for A and D.")
         F = 1.8 * D @ np.linalg.solve(rest, D)
         return 0.5 * (F + F.T)

@@ -10,6 +10,7 @@ import meshes
 from shellform import Fabric, FabricError, Shell
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.implicit import ImplicitNewmark
+from shellform.dynamics.mass_spring import Particles
 from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.internal_force import InternalForce
 from shellform.material.energy import StVenant, at_rest, check_law, quadratic
@@ -230,3 +231,12 @@ def test_explicit_and_implicit_steps_agree():
         assert sum(shell.energy().values()) < 0.9 * stored
     size = np.abs(ends[0]).max()
     np.testing.assert_allclose(*ends, atol=0.02 * size)
+
+
+@pytest.mark.serial
+def test_springs_refuse_a_law():
+    shell = Shell(
+        meshes.rectangle(1.0, 1.0, (2, 2)), Fabric.isotropic(1e5, 0.3, 1e-3, 300.0), law=Spelled()
+    )
+    with pytest.raises(ValueError, match=r"springs follow the default law .* not Spelled\(\)"):
+        Particles(shell)

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Fabric against closed forms: plane stress, laminates, rotation, units, and every refusal."""
 
-import warnings
-
 import numpy as np
 import pytest
 
-from shellform.material.card import card_keys, fabric_from_card, read_fabric
-from shellform.material.fabric import Fabric, FabricError, Ply, UnitWarning, condense, lamina_matrix
+from shellform.material.fabric import Fabric, FabricError, Ply, condense, lamina_matrix
 from shellform.material.laminate import bending_matrix, turn
 
 # E_L, E_T, nu_LT, G_LT of the laminated semi-cylinder (Sze, Liu, Lo 2004, Sec. 3.7), as pascal.
@@ -32,9 +29,6 @@ def moments(fabric):
     A, B, D = fabric.membrane, fabric.coupling, fabric.bending
     E, F = fabric.third_moment, fabric.fourth_moment
     return np.block([[A, B, D], [B, D, E], [D, E, F]])
-
-
-# ---- closed forms ---------------------------------------------------------------------------
 
 
 def test_isotropic_closed_form():
@@ -92,72 +86,6 @@ def test_bending_matrix_takes_one_two_three_or_all_values():
     close(bending_matrix((1.0, 4.0), 0.25), [[1, 0.5, 0], [0.5, 4, 0], [0, 0, 0.75]])
     close(bending_matrix((1.0, 4.0, 7.0)), np.diag([1.0, 4.0, 7.0]))
     close(bending_matrix(np.eye(3)), np.eye(3))
-
-
-# ---- laminates ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("n", [1, 2, 5])
-def test_equal_plies_are_one_sheet(n):
-    stack = Fabric.laminate([(PLY, 3e-3 / n, 0.0)] * n)
-    E1, E2, nu12, G12, G13, G23 = (
-        getattr(PLY, k) for k in ("E1", "E2", "nu12", "G12", "G13", "G23")
-    )
-    sheet = Fabric.orthotropic(E1, E2, nu12, G12, G13, G23, 3e-3, PLY.density)
-    close(moments(stack), moments(sheet))
-    close(stack.shear, sheet.shear)
-    assert stack.areal_mass == pytest.approx(4.5) and stack.thickness == pytest.approx(3e-3)
-
-
-def test_cross_ply_by_hand():
-    h = 1e-3  # each of three plies
-    f = Fabric.laminate([(PLY, h, 0.0), (PLY, h, 90.0), (PLY, h, 0.0)])
-    scale = 1 / (1 - 0.3 * 0.3 * PLY.E2 / PLY.E1)
-    Q11, Q22, Q12 = scale * PLY.E1, scale * PLY.E2, scale * 0.3 * PLY.E2
-    close(f.membrane[0], [h * (2 * Q11 + Q22), 3 * h * Q12, 0])
-    close(f.membrane[1, 1], h * (2 * Q22 + Q11))
-    # the middle ply holds 1/27 of t^3/12 = 27 h^3/12, the outer two 26/27
-    close(f.bending[0], [h**3 / 12 * (26 * Q11 + Q22), 27 * h**3 / 12 * Q12, 0])
-    close(f.bending[1, 1], h**3 / 12 * (26 * Q22 + Q11))
-    # int z^4 = 2/5 (t/2)^5: 1/243 of it in the middle
-    close(f.fourth_moment[0, 0], h**5 / 80 * (242 * Q11 + Q22))
-    close(f.shear, 5 / 6 * h * np.diag([2 * PLY.G13 + PLY.G23, 2 * PLY.G23 + PLY.G13]))
-    assert not f.coupling.any() and not f.third_moment.any() and f.directional
-
-
-def test_unsymmetric_cross_ply_couples():
-    h = 1e-3
-    f = Fabric.laminate([(PLY, h, 0.0), (PLY, h, 90.0)])
-    scale = 1 / (1 - 0.3 * 0.3 * PLY.E2 / PLY.E1)
-    B11 = scale * (PLY.E2 - PLY.E1) * h**2 / 2  # the stiff ply lies below: z < 0
-    close(f.coupling, np.diag([B11, -B11, 0]))
-    close(f.third_moment[0, 0], scale * (PLY.E2 - PLY.E1) * h**4 / 4)
-    assert np.linalg.eigvalsh(moments(f) / np.sqrt(np.outer(*[moments(f).diagonal()] * 2)))[0] > 0
-
-
-def test_thin_skin_on_a_thick_core_keeps_its_digits():
-    skin, core = (Ply(E, E, 0.0, E / 2, E / 2, E / 2, 100.0) for E in (1e11, 1e2))
-    s, c = 1e-7, 5e-2
-    f = Fabric.laminate([(core, c, 0.0), (skin, s, 0.0)])
-    # about the middle of the skin, which lies at z = c/2
-    D = f.bending[0, 0] - c * f.coupling[0, 0] + c**2 / 4 * f.membrane[0, 0]
-    core_alone = 1e2 * (c**3 / 12 + c * (c + s) ** 2 / 4)
-    assert D == pytest.approx(core_alone + 1e11 * s**3 / 12, rel=1e-11)
-
-
-def test_quasi_isotropic_stack_is_directional_in_bending_only():
-    f = Fabric.laminate([(PLY, 1e-3, a) for a in (0.0, 60.0, -60.0, -60.0, 60.0, 0.0)])
-    close(f.rotated(17.0).membrane, f.membrane)
-    assert f.directional and not f.coupling.any()
-
-
-def test_ply_angle_turns_about_the_director():
-    plus = Fabric.laminate([(PLY, 1e-3, 30.0)])
-    assert plus.membrane[0, 2] > 0  # pulled along 1, it shears towards its fibres
-    close(plus.rotated(30.0).membrane, Fabric.laminate([(PLY, 1e-3, 0.0)]).membrane)
-
-
-# ---- rotation -------------------------------------------------------------------------------
 
 
 def test_rotation_keeps_invariants_and_returns_after_a_turn():
@@ -220,9 +148,6 @@ def test_energy_is_positive_for_any_strain(fabric):
     assert (np.linalg.eigvalsh(fabric.shear) > 0).all()
 
 
-# ---- measured data --------------------------------------------------------------------------
-
-
 def test_kes_shear_in_degrees_and_in_radians():
     gf_per_cm = 0.00980665 / 0.01  # N/m
     a = Fabric.from_kes(**SUITING, shear_N_per_m_per_degree=0.968 * gf_per_cm)
@@ -255,184 +180,3 @@ def test_default_fourth_moment_is_exact_for_a_homogeneous_sheet():
     f = Fabric.orthotropic(**WARP, thickness=4e-3, density=300.0)
     again = Fabric.from_stiffness(f.membrane, f.bending, f.areal_mass, f.thickness, f.shear)
     close(again.fourth_moment, (4e-3) ** 5 / 80 * lamina_matrix(8e6, 5e6, 0.2, 1e5))
-
-
-# ---- refusals -------------------------------------------------------------------------------
-
-ISO = dict(youngs_modulus=1e6, poisson_ratio=0.3, thickness=1e-3, density=300.0)
-SHEET = dict(membrane=np.eye(3), bending=1e-5 * np.eye(3), areal_mass=0.01, thickness=1e-3)
-
-
-@pytest.mark.parametrize(
-    "change, sentence",
-    [
-        (dict(thickness=0.0), r"thickness = 0 m is not a positive"),
-        (dict(thickness=np.nan), r"thickness = nan m is not a positive"),
-        (dict(density=-1.0), r"density = -1 kg/m\^3 is not a positive"),
-        (dict(youngs_modulus=np.inf), r"youngs_modulus = inf Pa is not"),
-        (dict(youngs_modulus="soft"), r"youngs_modulus = 'soft' Pa is not"),
-        (dict(poisson_ratio=0.51), r"poisson_ratio = 0.51 is outside -1 < nu <= 0.5"),
-        (dict(poisson_ratio=-1.0), r"poisson_ratio = -1 is outside"),
-        (dict(shear_correction=0), r"shear_correction = 0"),
-        (dict(bending_stiffness=0.0), r"A shell needs some bending stiffness: 1e-7 N m"),
-        (dict(bending_stiffness=-1e-6), r"bending has a diagonal \[-1e-06"),
-        (dict(bending_stiffness=np.ones(4)), r"not shape \(4,\)"),
-    ],
-)
-def test_isotropic_refuses(change, sentence):
-    with pytest.raises(FabricError, match=sentence):
-        Fabric.isotropic(**ISO | change)
-
-
-def test_orthotropic_bound_names_both_ratios():
-    with pytest.raises(FabricError, match=r"nu12 = 3 .*nu21 = nu12 E2/E1 = 0.75.*E1/E2 = 4"):
-        Fabric.orthotropic(4e6, 1e6, 3.0, 1e5, 1e5, 1e5, 1e-3, 300.0)
-    Fabric.orthotropic(4e6, 1e6, 1.9, 1e5, 1e5, 1e5, 1e-3, 300.0)  # nu12 > 1 is legal here
-    with pytest.raises(FabricError, match="G13 = 0 Pa"):
-        Fabric.orthotropic(4e6, 1e6, 0.3, 1e5, 0.0, 1e5, 1e-3, 300.0)
-
-
-@pytest.mark.parametrize(
-    "change, sentence",
-    [
-        (dict(areal_mass=0.0), r"areal_mass = 0 kg/m\^2"),
-        (dict(membrane=np.eye(2)), r"membrane has shape \(2, 2\), not \(3, 3\)"),
-        (dict(membrane=[["a"]]), r"membrane = \[\['a'\]\] is not a matrix of numbers"),
-        (dict(bending=np.full((3, 3), np.nan)), r"bending holds a value that is not finite"),
-        (dict(membrane=[[2, 1, 0], [0, 2, 0], [0, 0, 1]]), r"not symmetric.* by 1 N/m"),
-        (dict(membrane=[[2, 3, 0], [3, 2, 0], [0, 0, 1]]), r"membrane is not pos.*nu12 = 1.5"),
-        (dict(bending=np.zeros((3, 3))), r"softer than any cloth"),
-        (dict(bending=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]), r"bending is not positive definite"),
-        (dict(shear=-np.eye(2)), r"shear has a diagonal \[-1, -1\] N/m"),
-        (dict(coupling=np.eye(3)), r"The coupling is too large"),
-        (dict(fourth_moment=1e-12 * np.eye(3)), r"they must belong together"),
-    ],
-)
-def test_stiffness_refuses(change, sentence):
-    with pytest.raises(FabricError, match=sentence):
-        Fabric.from_stiffness(**SHEET | change)
-
-
-def test_condense_refuses():
-    with pytest.raises(FabricError, match=r"shape \(6, 6\)"):
-        condense(np.eye(3))
-    with pytest.raises(FabricError, match="C33 = 0 Pa"):
-        condense(np.diag([1.0, 1, 0, 1, 1, 1]))
-    C = np.eye(6)
-    C[0, 4] = C[4, 0] = 0.5
-    with pytest.raises(FabricError, match="couples in-plane strain with transverse shear"):
-        condense(C)
-
-
-def test_laminate_refuses():
-    with pytest.raises(FabricError, match="at least one ply"):
-        Fabric.laminate([])
-    with pytest.raises(FabricError, match="ply_thickness = -1 m"):
-        Fabric.laminate([(PLY, 2.0, 0.0), (PLY, -1.0, 0.0)])
-
-
-@pytest.mark.parametrize(
-    "change, sentence",
-    [
-        (dict(thickness=0.2), "meant in mm"),
-        (dict(density=200e3), r"meant in g/m\^2"),
-        (dict(youngs_modulus=0.8), "meant in MPa"),
-    ],
-)
-def test_unit_slips_are_told(change, sentence):
-    with pytest.warns(UnitWarning, match=sentence):
-        Fabric.isotropic(**ISO | change)
-
-
-def test_good_values_are_silent_and_read_only():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        f = Fabric.isotropic(**ISO)
-    with pytest.raises(ValueError):
-        f.membrane[0, 0] = 0.0
-    with pytest.raises(AttributeError):
-        f.thickness = 1.0
-    assert "alike in all directions" in f.summary() and "1 mm" in repr(f)
-
-
-# ---- cards ----------------------------------------------------------------------------------
-
-CARD = """
-name = "suiting"
-[kes]
-tensile_warp_N_per_m = 8100
-tensile_weft_N_per_m = 5000
-shear_N_per_m_per_radian = 54.4
-bending_warp_N_m = 1.33e-5
-bending_weft_N_m = 0.9e-5
-areal_mass_kg_per_m2 = 0.2635
-thickness_m = 0.746e-3
-"""
-
-
-def write(tmp_path, text):
-    path = tmp_path / "cloth.toml"
-    path.write_text(text)
-    return path
-
-
-def test_card_is_the_constructor(tmp_path):
-    f = read_fabric(write(tmp_path, CARD))
-    close(moments(f), moments(Fabric.from_kes(**SUITING, shear_N_per_m_per_radian=54.4)))
-    assert f.name == "suiting"
-
-
-def test_cards_of_every_kind():
-    moduli = dict(E1_Pa=8e6, E2_Pa=5e6, nu12=0.2, G12_Pa=1e5, G13_Pa=2e5, G23_Pa=1.5e5)
-    body = dict(density_kg_per_m3=300.0, thickness_m=1e-3)
-    one = fabric_from_card({"orthotropic": moduli | body})
-    assert fabric_from_card({"ply": [moduli | body | {"angle_degrees": 0}]}).areal_mass == 0.3
-    two = fabric_from_card(
-        {
-            "stiffness": dict(
-                membrane_N_per_m=one.membrane.tolist(),
-                bending_N_m=one.bending.tolist(),
-                shear_N_per_m=one.shear.tolist(),
-                areal_mass_kg_per_m2=0.3,
-                thickness_m=1e-3,
-            )
-        }
-    )
-    close(moments(one), moments(two))
-    iso = dict(youngs_modulus_Pa=1e6, poisson_ratio=0.3, bending_stiffness_N_m=1e-5)
-    assert fabric_from_card({"isotropic": iso | body}).bending[1, 1] == 1e-5
-
-
-def test_card_keys_carry_their_units():
-    assert list(card_keys(Fabric.from_stiffness)) == [
-        "membrane_N_per_m",
-        "bending_N_m",
-        "areal_mass_kg_per_m2",
-        "thickness_m",
-        "shear_N_per_m",
-        "coupling_N",
-        "third_moment_N_m2",
-        "fourth_moment_N_m3",
-    ]
-
-
-@pytest.mark.parametrize(
-    "old, new, sentence",
-    [
-        ("thickness_m =", "thickness_mm =", r'cloth.toml \[kes\]: unknown key "thickness_mm"; did'),
-        ("thickness_m =", "thickness_mm =", r'did you mean "thickness_m"\?'),
-        ("[kes]", "[kws]", r'cloth.toml: unknown key "kws"; did you mean "kes"\?'),
-        ("[kes]", "", r'unknown key "tensile_warp_N_per_m"; valid are isotropic'),
-        ("thickness_m = 0.746e-3", "", r'cloth.toml \[kes\]: key "thickness_m" is missing'),
-        ("0.746e-3", "-1", r"cloth.toml \[kes\]: thickness = -1 m"),
-        ("8100", '"stiff"', r"cloth.toml \[kes\]: tensile_warp_N_per_m = 'stiff' N/m"),
-        ("0.746e-3", "", r"cloth.toml: not a TOML file"),
-        ("[kes]", "[isotropic]\n[kes]", r"needs exactly one table .* has \['isotropic', 'kes'\]"),
-        ("[kes]", "[ply]", r"write \[\[ply\]\] above each"),
-        ("[kes]", "[[kes]]", r"this must be a table of keys"),
-        ("[kes]", "[[ply]]", r'cloth.toml ply 1: unknown key "tensile_warp_N_per_m"'),
-    ],
-)
-def test_card_errors_name_file_and_key(tmp_path, old, new, sentence):
-    with pytest.raises(FabricError, match=sentence):
-        read_fabric(write(tmp_path, CARD.replace(old, new, 1)))
