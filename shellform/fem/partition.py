@@ -56,7 +56,8 @@ class Partition:
         )
         # fields and geometry share one element, so their cell dofmaps correspond entry by entry
         self.nodes = np.full(self.n_local, -1, np.int64)
-        self.nodes[cell_nodes(self.space)] = given_points(self.mesh)[geometry_nodes(self.mesh)]
+        points = geometry_nodes(self.mesh, cells.shape[1])
+        self.nodes[cell_nodes(self.space)] = given_points(self.mesh)[points]
         self.owned_nodes = self.nodes[: self.n_owned]
         self._local = np.full(len(surface.points), -1, np.int64)
         self._local[self.nodes] = np.arange(self.n_local)

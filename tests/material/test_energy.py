@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Laws: what a class may store in a strain, checked at rest and against closed forms."""
 
+from petsc4py import PETSc
+
 import numpy as np
 import pytest
 
@@ -162,7 +164,7 @@ def test_explicit_force_is_that_of_statics(make):
     n = shell.partition.n_owned
     out = petsc_vector(shell.space, 6)
     shell.internal_force(out)
-    out.ghostUpdate(addv=True, mode=True)
+    out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     wanted = out.array.reshape(-1, 6)
     np.testing.assert_allclose(force(owned(shell))[:n], wanted, atol=1e-11 * np.abs(wanted).max())
 
