@@ -116,7 +116,7 @@ class Segment:
         self.name, self.motion = name, motion
         given = isinstance(shape, SHAPES)
         self.shape: Shape = cast(Shape, shape) if given else ellipsoid(name, cast(ArrayLike, shape))
-        self.pose = motion.pose if hasattr(motion, "pose") else motion
+        self.pose = motion if callable(motion) else motion.pose
         self.moves = getattr(motion, "moves", True)
 
     @property

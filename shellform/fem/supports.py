@@ -122,8 +122,8 @@ class Supports:
             raise ValueError("move needs a displacement, a director, or both")
         partition = self.partition
         nodes = partition.find(where)
-        rows = np.flatnonzero(partition._local[nodes] >= 0)
-        local = partition._local[nodes[rows]]
+        rows = np.flatnonzero(partition.local_numbers[nodes] >= 0)
+        local = partition.local_numbers[nodes[rows]]
         if partition.comm.allreduce(bool(self.inclined[local].any()), op=MPI.LOR):
             raise ValueError(
                 "a node that slides in an inclined plane cannot also follow a prescribed motion"
