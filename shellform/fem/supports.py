@@ -107,7 +107,9 @@ class Supports:
     def move(
         self, where: Place, displacement: Goal | None = None, director: Goal | None = None
     ) -> None:
-        """Prescribe displacement and director of held nodes as functions of the load level.
+        """Hold all displacements of nodes, or their directors, to functions of the load level.
+
+        A displacement holds x, y and z: an edge that is pulled cannot narrow by itself.
 
         Parameters
         ----------
