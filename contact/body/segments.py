@@ -114,8 +114,12 @@ class Segment:
         if not (isinstance(name, str) and name):
             raise ValueError(f"a segment needs a name, not {name!r}")
         self.name, self.motion = name, motion
-        given = isinstance(shape, SHAPES)
-        self.shape: Shape = cast(Shape, shape) if given else ellipsoid(name, cast(ArrayLike, shape))
+        self.shape = _shape_of(name, shape)
+        if not callable(motion) and not callable(getattr(motion, "pose", None)):
+            raise ValueError(
+                f"segment '{name}' moves by a motion as Fixed((0, 0, 0)), or by a function of the "
+                f"time, not by {motion!r}"
+            )
         self.pose = motion if callable(motion) else motion.pose
         self.moves = getattr(motion, "moves", True)
 
@@ -125,6 +129,21 @@ class Segment:
         if not isinstance(self.shape, Ellipsoid):
             raise ValueError(f"segment '{self.name}' is no ellipsoid but a {self.shape}")
         return np.array(self.shape.radii)
+
+
+def _shape_of(name: str, given: Shape | ArrayLike) -> Shape:
+    """A shape that contact knows, or the ellipsoid of three radii; ValueError for neither."""
+    if isinstance(given, SHAPES):
+        return cast(Shape, given)
+    try:
+        radii = np.array(given, float)
+    except (TypeError, ValueError):
+        known = ", ".join(kind.__name__ for kind in SHAPES)
+        raise ValueError(
+            f"segment '{name}' takes three radii in m or one of the shapes {known} (SHAPES in "
+            f"contact/geometry/shape.py), not {given!r}"
+        ) from None
+    return ellipsoid(name, radii)
 
 
 class Body:

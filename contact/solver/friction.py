@@ -103,6 +103,10 @@ def as_friction(friction: Friction | ArrayLike) -> Friction:
         As `Friction`, and for what is neither.
     """
     if isinstance(friction, Friction):
+        if len(friction.parameters) > PARAMETERS:
+            raise ValueError(
+                f"{friction!r} has {len(friction.parameters)} parameters, {PARAMETERS} fit"
+            )
         return friction
     try:
         pair = np.atleast_1d(np.asarray(friction, float))

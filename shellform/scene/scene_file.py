@@ -43,6 +43,11 @@ def key_of(item: Field) -> str:
     return f"{item.name}_{unit}".strip("_")
 
 
+def as_scene(given: Scene | str | Path) -> Scene:
+    """A scene as it is, or read from a file."""
+    return given if isinstance(given, Scene) else read_scene(given)
+
+
 def read_scene(path: str | Path) -> Scene:
     """Scene of a file.
 

@@ -3,6 +3,7 @@
 
 import resource
 import time
+from pathlib import Path
 
 from mpi4py import MPI
 
@@ -11,6 +12,7 @@ import numpy as np
 from shellform.dressing.procedure import Dressing
 from shellform.motion.stance import stance
 from shellform.scene.scene import Scene
+from shellform.scene.scene_file import as_scene
 
 from .model import Model
 from .plan import plan_lines, plan_of
@@ -19,8 +21,8 @@ TIMED = 200  # steps
 CONTACT = 1.35  # of the time of a step without, as in walks measured
 
 
-def check(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD) -> list[str]:
-    """Lines for a person: what a scene models and costs; the same on all ranks, all ranks call.
+def check(scene: Scene | str | Path, comm: MPI.Comm = MPI.COMM_WORLD) -> list[str]:
+    """Lines for a person: what a scene, or that of a file, models and costs; all ranks call.
 
     Body, garment and stable step are those of the run; seconds are extrapolated from some steps
     timed here and now, the garment still off the body, so they are a guess: contact adds a third.
@@ -36,6 +38,7 @@ def check(scene: Scene, comm: MPI.Comm = MPI.COMM_WORLD) -> list[str]:
     >>> print(sf.check(scene)[0])
     trousers of 20 N
     """
+    scene = as_scene(scene)
     model = Model(scene, comm)
     return [
         scene.title,

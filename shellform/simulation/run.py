@@ -22,7 +22,7 @@ from shellform.errors import Stopped, Unstable
 from shellform.results.report import Report
 from shellform.results.series import Series
 from shellform.scene.scene import Scene
-from shellform.scene.scene_file import read_scene, write_scene
+from shellform.scene.scene_file import as_scene, read_scene, write_scene
 
 from .interrupt import Interrupt
 from .model import Model
@@ -52,7 +52,7 @@ class Walk:
 
 
 def run(
-    scene: Scene,
+    scene: Scene | str | Path,
     out: str | Path,
     comm: MPI.Comm = MPI.COMM_WORLD,
     dressed: str | Path | None = None,
@@ -62,7 +62,7 @@ def run(
 
     Parameters
     ----------
-    scene : Scene; out : path; comm : MPI communicator
+    scene : Scene, or its file; out : path; comm : MPI communicator
     dressed : file of a dressed state (`OUT/dressed.npz` of a run of the same garment and wearer),
         which is then not made anew
     watch : function of (stage, model), called at every frame while dressing and walking
@@ -78,7 +78,7 @@ def run(
     >>> results = sf.run(scene, "out/walk")  # doctest: +SKIP
     >>> results["joints"]["right_knee"]["peak_torque"]  # doctest: +SKIP
     """
-    out = Path(out)
+    scene, out = as_scene(scene), Path(out)
     report, model = _set_up(scene, out, comm)
     # only now, as a scene that does not stand must not cost the files of another run
     if comm.rank == 0:

@@ -246,3 +246,21 @@ def test_cap_stretched_over_a_sphere():
     area = nodal_areas(surface) * scale**2
     pressure = normal[free].sum() / area[free].sum()
     assert pressure == pytest.approx(2 * tension / radius, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"body": 3}, "takes a Body"),
+        ({"friction": "a"}, "not 'a'"),
+        ({"friction": None}, "not None"),
+        ({"friction": (0.1, 0.5)}, "the larger one first"),
+        ({"offset": -1.0}, "offset of a contact is a finite number >= 0, not -1.0"),
+        ({"flesh_stiffness": -5.0}, "flesh_stiffness of a contact .* not -5.0"),
+        ({"recovery": 0.0}, "recovery speed is positive, in m/s, not 0.0"),
+    ],
+)
+def test_a_contact_that_is_none_is_refused_where_it_is_written(settings, said):
+    body = Body([Segment("ball", (0.1, 0.1, 0.1), Fixed())])
+    with pytest.raises((ValueError, TypeError), match=said):
+        Contact(**{"body": body} | settings)

@@ -135,3 +135,28 @@ def test_what_implicit_steps_do_not_know():
         stepper.add(Contact(ball(), flesh_stiffness=1e4))
     with pytest.raises(ValueError, match=r"Wind pushes nodes .* explicit steps only"):
         stepper.add(type("Wind", (AppliedForce,), {})())
+
+
+def test_loads_come_before_the_stepper():
+    shell = sheet()
+    Newmark(shell)
+    with pytest.raises(ValueError, match="give all loads before the stepper is made"):
+        shell.loads.gravity()
+
+
+def test_a_shell_has_one_stepper():
+    """The one made last; the other says so and moves nothing."""
+    shell = sheet()
+    first, second = Newmark(shell), Newmark(shell)
+    second.advance(1e-3)
+    with pytest.raises(ValueError, match="a newer solver has taken this shell over"):
+        first.advance(2e-3)
+
+
+@pytest.mark.parametrize(
+    ("place", "said"), [(".", "is a folder"), ("none/l.csv", "no folder none")]
+)
+def test_files_have_a_folder(place, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match=said):
+        Newmark(sheet()).add(Ledger(place))

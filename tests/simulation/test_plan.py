@@ -15,7 +15,9 @@ from shellform.scene.garment import garment_of
 from shellform.scene.parts import Contact, Garment, Motion, Output, Steps
 from shellform.scene.reach import SLIPPED, STRETCHED, along_cloth, reachable
 from shellform.scene.scene import Scene
+from shellform.scene.scene_file import write_scene
 from shellform.scene.wearer import cut, dressed_wearer, ellipsoids_of, wearer_of
+from shellform.simulation.check import check
 from shellform.simulation.model import Model
 from shellform.simulation.plan import plan_lines, plan_of
 from shellform.simulation.summary import describe
@@ -173,3 +175,13 @@ def test_plan_of_a_run_is_stored(shared_tmp_path, comm):
     assert plans["fall"]["loads"] == {"gravity": 1}
     assert not {"contact", "friction"} & set(plans["fall"])
     assert plans["ball"]["contact"] == ["ball 0"] and "friction" not in plans["ball"]
+
+
+@pytest.mark.serial
+def test_a_scene_is_checked_by_its_file(tmp_path):
+    """`sf.check` takes the file too; one that is not there is named with the mend."""
+    path = tmp_path / "scene.toml"
+    write_scene(Scene(title="of a file"), path)
+    assert check(path)[0] == "of a file"
+    with pytest.raises(FileNotFoundError, match="shellform new"):
+        check(tmp_path / "none.toml")

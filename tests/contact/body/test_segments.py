@@ -124,3 +124,21 @@ def test_poses_that_are_no_rigid_motion_are_refused():
     pose = body.new_pose()
     with pytest.raises(ValueError, match=r"motion of segment 'arm' is not finite at t = 2 s"):
         body.pose(2.0, pose)
+
+
+class Slab:
+    """A shape that contact has not been told of."""
+
+
+@pytest.mark.parametrize("shape", [Slab(), "abc", [0.1, "b", 0.1]])
+def test_a_shape_that_contact_does_not_know(shape):
+    with pytest.raises(
+        ValueError, match=r"'slab' takes three radii in m or one of the shapes .*Caps"
+    ):
+        Segment("slab", shape, Fixed())
+
+
+@pytest.mark.parametrize("motion", [None, 3, (0.0, 0.0, 0.0)])
+def test_a_motion_that_is_none(motion):
+    with pytest.raises(ValueError, match="segment 'ball' moves by a motion as Fixed"):
+        Segment("ball", (0.1, 0.1, 0.1), motion)
