@@ -17,12 +17,14 @@ LISTS = ("Parameters", "Attributes")
 def escaped(text: str) -> str:
     """Text in which only `code` between backquotes is marked up."""
     parts = SPAN.split(text)
-    return "".join(
-        f"``{part.strip(chr(96))}``"
-        if SPAN.fullmatch(part)
-        else re.sub(r"([\\*_|`])", r"\\\1", part)
-        for part in parts
-    )
+    for k, part in enumerate(parts):
+        if SPAN.fullmatch(part):
+            # what is written on to it, as an s, is set off by a mark that is not shown
+            follows = parts[k + 1][:1].isalnum()
+            parts[k] = f"``{part.strip(chr(96))}``" + (r"\ " if follows else "")
+        else:
+            parts[k] = re.sub(r"([\\*_|`])", r"\\\1", part)
+    return "".join(parts)
 
 
 def indent_of(line: str) -> int:
@@ -87,6 +89,17 @@ def items(lines: list[str]) -> list[str]:
     return [*out, ""]
 
 
+def examples(lines: list[str]) -> list[str]:
+    """Code as a reader would type it, with its output; sentences between stay sentences."""
+    out = []
+    for run in paragraphs(lines):
+        if run[0].lstrip().startswith(">>>"):
+            out += [".. code-block:: pycon", "", *("    " + line for line in run), ""]
+        else:
+            out += prose(run)
+    return out
+
+
 def is_list(title: str, lines: list[str]) -> bool:
     """Parameters are; what is returned or raised may be a sentence that runs over lines."""
     return title in LISTS or any(indent_of(line) for line in lines)
@@ -99,8 +112,7 @@ def marked_up(lines: list[str]) -> list[str]:
         if title is None:
             out += prose(text)
         elif title in ("Examples", "Example"):
-            code = [line for line in text if not line.startswith("```")]
-            out += [f".. rubric:: {title}", "", "::", "", *("    " + line for line in code), ""]
+            out += [f".. rubric:: {title}", "", *examples(text)]
         else:
             shown = items(text) if is_list(title, text) else prose(text)
             out += [f".. rubric:: {title}", "", *shown]
