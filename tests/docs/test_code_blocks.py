@@ -185,6 +185,7 @@ def test_commands(page, tmp_path):
 
 
 NAMED = re.compile(r"`((?:shellform|contact|meshes|demos|tests|docs)/[\w./*-]+)`")
+FILE = re.compile(r"`(\w+\.(?:py|toml))`")
 LINK = re.compile(r"\[[^\]]*\]\(([^)#:\s]+)(?:#[^)]*)?\)")
 
 
@@ -196,6 +197,15 @@ def test_files_that_a_page_names_exist(page):
     named_here += [page.parent / link for link in LINK.findall(text)]
     named_here = [path for path in named_here if not set(MADE) & set(path.parts)]
     assert [str(path) for path in named_here if not path.exists()] == []
+
+
+def test_files_that_contributing_names_alone_exist():
+    """`capsule.py` beside its folder."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    ours = {
+        p.name for room in ("shellform", "contact", "meshes") for p in ROOT.glob(f"{room}/**/*")
+    }
+    assert {"capsule.py", "formats.py"} <= set(FILE.findall(text)) <= ours
 
 
 def test_readme_is_two_screens():
