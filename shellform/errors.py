@@ -17,7 +17,19 @@ class NotConverged(RuntimeError):
 
 
 class Unstable(RuntimeError):
-    """A step produced numbers that are not finite, or energy from nothing."""
+    """A step produced numbers that are not finite, or energy from nothing.
+
+    Explicit steps are cut back and tried again first; the last good state is kept.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> try:
+    ...     raise sf.Unstable("node 7 of rectangle has left the finite numbers")
+    ... except sf.Unstable as error:
+    ...     print(error)
+    node 7 of rectangle has left the finite numbers
+    """
 
 
 class Stopped(RuntimeError):

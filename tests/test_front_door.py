@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import shellform as sf
@@ -54,7 +55,7 @@ def test_examples_of_the_docstrings_run(name, tmp_path, monkeypatch):
     """Each name has an example of its own, which gives what it says."""
     monkeypatch.chdir(tmp_path)
     one = getattr(sf, name)
-    tests = doctest.DocTestFinder(recurse=False).find(one, name, globs={"sf": sf})
+    tests = doctest.DocTestFinder(recurse=False).find(one, name, globs={"sf": sf, "np": np})
     examples = [example for test in tests for example in test.examples]
     assert len(examples) >= 2, f"{name} has no example in its docstring"
     flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE

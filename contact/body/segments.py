@@ -41,6 +41,13 @@ class Fixed:
     ----------
     centre : (3,) float [m]
     axes : (3, 3) float or None, rows e1, e2, e3; None: the world's axes
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> centre, axes, velocity, spin = sf.Fixed((0.0, 0.0, -0.2)).pose(1.5)
+    >>> centre.tolist(), velocity.tolist()
+    ([0.0, 0.0, -0.2], [0.0, 0.0, 0.0])
     """
 
     moves = False
@@ -92,6 +99,15 @@ class Segment:
     shape : (3,) float, semi-axes along e1, e2, e3 [m]; or a `contact.geometry.shape.Shape`
     motion : object with pose(t), or a function of t; both return (centre, axes, velocity, spin).
         A motion whose attribute `moves` is False is asked once only.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> def falling(t):
+    ...     return (0.0, 0.0, 1.0 - t), np.eye(3), (0.0, 0.0, -1.0), np.zeros(3)
+    >>> ball = sf.Segment("ball", (0.1, 0.1, 0.1), falling)
+    >>> sf.Body([ball]).new_pose(0.25).centres.tolist()
+    [[0.0, 0.0, 0.75]]
     """
 
     def __init__(self, name: str, shape: Shape | ArrayLike, motion: Any):
@@ -100,7 +116,7 @@ class Segment:
         self.name, self.motion = name, motion
         given = isinstance(shape, SHAPES)
         self.shape: Shape = cast(Shape, shape) if given else ellipsoid(name, cast(ArrayLike, shape))
-        self.pose = motion.pose if hasattr(motion, "pose") else motion
+        self.pose = motion if callable(motion) else motion.pose
         self.moves = getattr(motion, "moves", True)
 
     @property
@@ -123,6 +139,15 @@ class Body:
     names : tuple of str
     shapes : tuple of m `contact.geometry.shape.Shape`
     carriers : tuple of m names of what the segments ride on: those with the same move as one
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> head = sf.Segment("head", (0.08, 0.08, 0.12), sf.Fixed((0.0, 0.0, 0.3)))
+    >>> chest = sf.Segment("chest", (0.15, 0.12, 0.25), sf.Fixed())
+    >>> body = sf.Body([head, chest])
+    >>> body.names, body.index("chest")
+    (('head', 'chest'), 1)
     """
 
     def __init__(self, segments: Iterable[Segment]):

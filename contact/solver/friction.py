@@ -56,6 +56,16 @@ class Friction:
     ------
     ValueError
         For a negative or non-finite coefficient, or a kinetic one above the static one.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> skin = sf.Friction(0.4, 0.3)
+    >>> skin.static, sf.Friction(0.4).kinetic
+    (0.4, 0.4)
+    >>> ball = sf.Body([sf.Segment("ball", (0.1, 0.1, 0.1), sf.Fixed())])
+    >>> sf.Contact(ball, friction=skin).friction.kinetic
+    0.3
     """
 
     static: float

@@ -194,11 +194,12 @@ def _leg_rings(measures, half, bridge, stance, fork_gap):
         else:
             down = (thigh_height - height) / (thigh_height - measures["hem_height"])
             middle = _LEG_SPACING + down * (stance - _LEG_SPACING)
-        if middle + inner <= 0.0:
-            raise ValueError(
-                f"trousers: the legs, {measures[name]} m round at the {name}, run into each other; "
-                f"give a stance above {-inner:.2f} m."
-            )
+            if middle + inner <= 0.0:
+                least = _LEG_SPACING + (-inner - _LEG_SPACING) / down  # puts the middle at -inner
+                raise ValueError(
+                    f"trousers: the legs, {measures[name]} m round at the {name}, run into each "
+                    f"other; give a stance above {np.ceil(1e3 * least) / 1e3:.3f} m."
+                )
         rings.append(np.roll(points, -(bridge // 2), axis=0) + [0.0, middle, height])
     return rings
 

@@ -67,7 +67,7 @@ class Ring:
                 f"edge '{edge}' of {partition.surface.source} is not one closed line, as a waist is"
             )
         self.nodes = segments[:, 0]
-        local = partition._local[self.nodes]
+        local = partition.local_numbers[self.nodes]
         self.mine = np.flatnonzero((local >= 0) & (local < partition.n_owned))
         self.own = local[self.mine]
         self.x, self._comm = np.zeros((len(self.nodes), 3)), partition.comm

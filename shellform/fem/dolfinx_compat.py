@@ -129,10 +129,9 @@ def cell_nodes(space: FunctionSpace) -> np.ndarray:
     return dofmap.list.array.reshape(-1, dofmap.dof_layout.num_dofs)
 
 
-def geometry_nodes(mesh: Mesh) -> np.ndarray:
-    """Local points (m, k) of the geometry of the cells of this rank."""
-    m = mesh.topology.index_map(mesh.topology.dim)
-    return mesh.geometry.dofmap.array.reshape(m.size_local + m.num_ghosts, -1)
+def geometry_nodes(mesh: Mesh, width: int) -> np.ndarray:
+    """Local points (m, width) of the geometry of the cells of this rank, which may have none."""
+    return mesh.geometry.dofmap.array.reshape(-1, width)
 
 
 def given_points(mesh: Mesh) -> np.ndarray:

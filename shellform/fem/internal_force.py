@@ -123,6 +123,8 @@ class InternalForce:
 
     def _columns(self, form, function, values):
         """Columns of the packed coefficients `values` that hold a function's cell values."""
+        if not len(values):  # a rank without cells
+            return np.empty(self._index.shape)
         array = function.x.array
         kept = array.copy()
         # numbers that no other coefficient holds

@@ -36,6 +36,7 @@ class Partition:
     space : fem.FunctionSpace of the nodal field w = (u, d), 6 components
     nodes : (n_local,) int64, surface node of every local node, owned ones first, then ghosts
     n_owned, n_local : int
+    local_numbers : (n,) int64, local number of every surface node, -1 on other ranks
     directors : (n_local, 3), reference directors
     origin : (3,) [m]; length : float [m], square root of the area, the scale of the scene
     """
@@ -56,10 +57,11 @@ class Partition:
         )
         # fields and geometry share one element, so their cell dofmaps correspond entry by entry
         self.nodes = np.full(self.n_local, -1, np.int64)
-        self.nodes[cell_nodes(self.space)] = given_points(self.mesh)[geometry_nodes(self.mesh)]
+        points = geometry_nodes(self.mesh, cells.shape[1])
+        self.nodes[cell_nodes(self.space)] = given_points(self.mesh)[points]
         self.owned_nodes = self.nodes[: self.n_owned]
-        self._local = np.full(len(surface.points), -1, np.int64)
-        self._local[self.nodes] = np.arange(self.n_local)
+        self.local_numbers = np.full(len(surface.points), -1, np.int64)
+        self.local_numbers[self.nodes] = np.arange(self.n_local)
         self.directors = np.asarray(surface.directors)[self.nodes]
 
     def find(self, where: Any) -> np.ndarray:
@@ -128,7 +130,7 @@ class Partition:
 
     def local(self, nodes: np.ndarray) -> np.ndarray:
         """Local numbers (owned and ghost) of surface nodes, those on this rank only."""
-        local = self._local[nodes]
+        local = self.local_numbers[nodes]
         return local[local >= 0]
 
     def gather(self, owned: np.ndarray, root: int | None = None) -> Any:

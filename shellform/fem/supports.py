@@ -107,7 +107,9 @@ class Supports:
     def move(
         self, where: Place, displacement: Goal | None = None, director: Goal | None = None
     ) -> None:
-        """Prescribe displacement and director of held nodes as functions of the load level.
+        """Hold all displacements of nodes, or their directors, to functions of the load level.
+
+        A displacement holds x, y and z: an edge that is pulled cannot narrow by itself.
 
         Parameters
         ----------
@@ -122,8 +124,8 @@ class Supports:
             raise ValueError("move needs a displacement, a director, or both")
         partition = self.partition
         nodes = partition.find(where)
-        rows = np.flatnonzero(partition._local[nodes] >= 0)
-        local = partition._local[nodes[rows]]
+        rows = np.flatnonzero(partition.local_numbers[nodes] >= 0)
+        local = partition.local_numbers[nodes[rows]]
         if partition.comm.allreduce(bool(self.inclined[local].any()), op=MPI.LOR):
             raise ValueError(
                 "a node that slides in an inclined plane cannot also follow a prescribed motion"

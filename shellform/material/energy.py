@@ -27,7 +27,7 @@ from .laminate import FabricError
 from .sheet import Sheet
 
 STRAINS = {"membrane": 3, "bending": 3, "shear": 2}  # methods of a law: components of the strain
-STEP = 1e-4  # of a strain, in differences of the energy at rest
+STEP = 1e-5  # of a strain, in differences of the energy at rest
 APART = 1e-3  # by which a law may miss the fabric's stiffness, relative to its largest entry
 
 
@@ -98,7 +98,8 @@ def at_rest(density: Callable, stiffness: np.ndarray, step: float) -> tuple[np.n
 
     def energy(strain):
         try:
-            return float(density(ufl.as_vector(strain.tolist()), matrix)(()))
+            # functions as ufl.exp of plain numbers give a plain number
+            return float(ufl.as_ufl(density(ufl.as_vector(strain.tolist()), matrix))(()))
         except (ArithmeticError, ValueError):
             return np.nan
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Laws: what a class may store in a strain, checked at rest and against closed forms."""
 
+from petsc4py import PETSc
+
 import numpy as np
 import pytest
 
@@ -162,7 +164,7 @@ def test_explicit_force_is_that_of_statics(make):
     n = shell.partition.n_owned
     out = petsc_vector(shell.space, 6)
     shell.internal_force(out)
-    out.ghostUpdate(addv=True, mode=True)
+    out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     wanted = out.array.reshape(-1, 6)
     np.testing.assert_allclose(force(owned(shell))[:n], wanted, atol=1e-11 * np.abs(wanted).max())
 
@@ -240,3 +242,24 @@ def test_springs_refuse_a_law():
     )
     with pytest.raises(ValueError, match=r"springs follow the default law .* not Spelled\(\)"):
         Particles(shell)
+
+
+class Stiffening(StVenant):
+    """Exponential in the warp, written with a function of UFL on plain components."""
+
+    def __init__(self, exponent, modulus):
+        self.exponent, self.modulus = exponent, modulus
+
+    def membrane(self, E, A):
+        c = self.modulus / self.exponent
+        rest = 0.5 * (A[1, 1] * E[1] ** 2 + A[2, 2] * E[2] ** 2) + A[0, 1] * E[0] * E[1]
+        return 0.5 * c * (ufl.exp(self.exponent * E[0] ** 2) - 1) + rest
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1e4, 1e5])
+def test_laws_that_stiffen_soon_are_recognised(exponent):
+    """d2/dE2 of c/2 (exp(a E^2) - 1) at rest is c a, however soon the exponential takes over."""
+    fabric = Fabric.isotropic(1e5, 0.3, 1e-3, 300.0)
+    check_law(Stiffening(exponent, fabric.membrane[0, 0]), fabric)
+    with pytest.raises(FabricError, match="membrane stiffness"):
+        check_law(Stiffening(exponent, 1.01 * fabric.membrane[0, 0]), fabric)

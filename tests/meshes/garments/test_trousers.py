@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Trousers against their measures, a body, topology, and measures at fault."""
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -212,3 +213,14 @@ def test_regions_of_trousers():
 def test_impossible_trousers(change, sentence):
     with pytest.raises(ValueError, match=sentence):
         meshes.trousers(**change)
+
+
+@pytest.mark.parametrize("measures", [{"hem": 0.8}, {"knee": 0.7, "stance": 0.11}])
+def test_the_stance_that_is_asked_for_suffices(measures):
+    """Legs that run into each other stand apart with the stance named, and with none less."""
+    with pytest.raises(ValueError, match="give a stance above") as refused:
+        meshes.trousers(**measures)
+    least = float(re.search(r"above ([\d.]+) m", str(refused.value))[1])
+    with pytest.raises(ValueError, match="give a stance above"):
+        meshes.trousers(**measures | {"stance": least - 0.002})
+    meshes.trousers(**measures | {"stance": least + 0.02})
