@@ -22,6 +22,8 @@ from typing import NamedTuple
 
 import pytest
 
+import meshes
+import shellform
 from shellform.__main__ import parser
 from shellform.scene.scene_file import read_scene
 
@@ -206,6 +208,15 @@ def test_files_that_contributing_names_alone_exist():
         p.name for room in ("shellform", "contact", "meshes") for p in ROOT.glob(f"{room}/**/*")
     }
     assert {"capsule.py", "formats.py"} <= set(FILE.findall(text)) <= ours
+
+
+@pytest.mark.parametrize("package", [shellform, meshes])
+def test_public_names_stand_in_the_reference(package):
+    """All but plain tables, whose text is where they are used."""
+    pages = "".join(path.read_text() for path in (ROOT / "docs/api").glob("*.md"))
+    listed = set(re.findall(r"^\.\. auto\w+:: \w+\.(\w+)$", pages, re.M))
+    names = {name for name in package.__all__ if callable(getattr(package, name))}
+    assert len(names) > 10 and names <= listed
 
 
 def test_readme_is_two_screens():
