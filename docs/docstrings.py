@@ -8,8 +8,15 @@ no reStructuredText, so stars, bars and underscores in them mean themselves.
 
 import re
 
+from docutils import nodes
+
 SPAN = re.compile(r"(``[^`]+``|`[^`]+`)")
 NEXT = re.compile(r"; (?=[A-Za-z_][\w, ]* : )")  # between two names described on one line
+ITEM = re.compile(r"[\w*, ]+ : \S")  # a name described
+# numpy's ArrayLike, which signatures give written out
+ARRAY_LIKE = re.compile(r"_SupportsArray\[.*?_NestedSequence\[bool \|[^\]]*\]")
+PLAIN_BASES = ("object", "NamedTuple", "Protocol")
+RAISED = re.compile(r"^(\w+Error|Unstable|NotConverged|Stopped) (?=[A-Z])")
 INDENT = 4
 LISTS = ("Parameters", "Attributes")
 
@@ -60,6 +67,9 @@ def prose(lines: list[str]) -> list[str]:
     """Paragraphs; what is indented stays as it is."""
     out = []
     for run in paragraphs(lines):
+        if all(indent_of(line) or ITEM.match(line) for line in run) and not indent_of(run[0]):
+            out += items(run)
+            continue
         literal, text = [], []
         for line in run:
             # what is indented below a sentence is a formula, an example or a table
@@ -81,6 +91,8 @@ def items(lines: list[str]) -> list[str]:
             entries.append([line.strip()])
     out = []
     for text in (text for entry in entries for text in NEXT.split(" ".join(entry))):
+        if " : " not in text:
+            text = RAISED.sub(r"\1 : ", text)
         name, colon, rest = text.partition(" : ")
         if colon and "`" not in name:
             out.append(f"- ``{name}``: {escaped(rest)}")
@@ -121,6 +133,20 @@ def marked_up(lines: list[str]) -> list[str]:
 
 def setup(app):
     def process(app, what, name, obj, options, lines):
+        # what Python writes of a field without a word of its own
+        if lines and lines[0].startswith("Alias for field number"):
+            lines.clear()
         lines[:] = marked_up(lines)
 
+    def short(app, what, name, obj, options, signature, returned):
+        return tuple(text and ARRAY_LIKE.sub("ArrayLike", text) for text in (signature, returned))
+
+    def without_plain_bases(app, doctree):
+        for line in list(doctree.findall(nodes.paragraph)):
+            title, _, bases = line.astext().partition("Bases: ")
+            if not title and bases in PLAIN_BASES:
+                line.parent.remove(line)
+
     app.connect("autodoc-process-docstring", process)
+    app.connect("autodoc-process-signature", short)
+    app.connect("doctree-read", without_plain_bases)
