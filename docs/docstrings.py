@@ -15,6 +15,7 @@ NEXT = re.compile(r"; (?=[A-Za-z_][\w, ]* : )")  # between two names described o
 ITEM = re.compile(r"[\w*, ]+ : \S")  # a name described
 # numpy's ArrayLike, which signatures give written out
 ARRAY_LIKE = re.compile(r"_SupportsArray\[.*?_NestedSequence\[bool \|[^\]]*\]")
+OBJECT = re.compile(r"<[\w. ]+>")
 PLAIN_BASES = ("object", "NamedTuple", "Protocol")
 RAISED = re.compile(r"^(\w+Error|Unstable|NotConverged|Stopped) (?=[A-Z])")
 INDENT = 4
@@ -131,6 +132,11 @@ def marked_up(lines: list[str]) -> list[str]:
     return out
 
 
+def shorter(signature: str) -> str:
+    """A signature that can be read as Python: defaults without a text of their own are dots."""
+    return OBJECT.sub("...", ARRAY_LIKE.sub("ArrayLike", signature))
+
+
 def setup(app):
     def process(app, what, name, obj, options, lines):
         # what Python writes of a field without a word of its own
@@ -139,7 +145,7 @@ def setup(app):
         lines[:] = marked_up(lines)
 
     def short(app, what, name, obj, options, signature, returned):
-        return tuple(text and ARRAY_LIKE.sub("ArrayLike", text) for text in (signature, returned))
+        return tuple(text and shorter(text) for text in (signature, returned))
 
     def without_plain_bases(app, doctree):
         for line in list(doctree.findall(nodes.paragraph)):
