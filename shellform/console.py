@@ -11,6 +11,7 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
@@ -78,11 +79,11 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
         main(arguments)
         return
     except known as error:
-        message, code = f"{sys.argv[0]}: {error}", 2
+        message, code = f"{_program()}: {error}", 2
     except Stopped as stop:
-        message, code = f"{sys.argv[0]}: {stop}", 130
+        message, code = f"{_program()}: {stop}", 130
     except KeyboardInterrupt:
-        message, code = f"{sys.argv[0]}: interrupted", 130
+        message, code = f"{_program()}: interrupted", 130
     except Exception:
         message, code = traceback.format_exc(), 1
     # one voice: an error that all ranks meet is printed by rank 0, which then ends the others
@@ -91,6 +92,12 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     if world.size > 1:
         world.Abort(code)
     sys.exit(code)
+
+
+def _program():
+    """What the user called, without its folder."""
+    name = Path(sys.argv[0]).name
+    return "shellform" if name == "__main__.py" else name
 
 
 def be_quiet() -> None:

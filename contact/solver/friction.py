@@ -84,7 +84,8 @@ class Friction:
             )
         if self.kinetic > self.static:
             raise ValueError(
-                f"kinetic friction {self.kinetic} exceeds static friction {self.static}"
+                f"kinetic friction {self.kinetic} exceeds static friction {self.static}: give "
+                "(mu_s, mu_k), the larger one first"
             )
 
     @property
@@ -103,9 +104,15 @@ def as_friction(friction: Friction | ArrayLike) -> Friction:
     """
     if isinstance(friction, Friction):
         return friction
-    pair = np.atleast_1d(np.asarray(friction, float))
-    if pair.shape not in ((1,), (2,)):
-        raise ValueError(f"friction is one coefficient or the pair (mu_s, mu_k), not {friction!r}")
+    try:
+        pair = np.atleast_1d(np.asarray(friction, float))
+    except (TypeError, ValueError):
+        pair = np.empty(0)
+    if isinstance(friction, str | None) or pair.shape not in ((1,), (2,)):
+        raise ValueError(
+            "friction is one coefficient, the pair (mu_s, mu_k) of a static and a kinetic one, or "
+            f"a law as Friction(0.3), not {friction!r}"
+        )
     return Friction(*pair.tolist())
 
 

@@ -6,9 +6,13 @@
 """
 
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
+import numpy as np
+
 from contact.body.segments import Body
+from contact.solver.friction import as_friction
 from shellform.dynamics.part import RunningContact
 
 
@@ -47,6 +51,18 @@ class Contact:
     samples: int | str = "nodes"
     flesh_stiffness: float | None = None
     recovery: float = 0.1
+
+    def __post_init__(self):
+        if not isinstance(self.body, Body):
+            raise TypeError(
+                f"Contact takes a Body, as Body([Segment(...)]) or a Wearer, not {self.body!r}"
+            )
+        as_friction(self.friction)
+        for name, value in (("offset", self.offset), ("flesh_stiffness", self.flesh_stiffness)):
+            if value is not None and not (isinstance(value, Real) and 0 <= value < np.inf):
+                raise ValueError(f"{name} of a contact is a finite number >= 0, not {value!r}")
+        if not (isinstance(self.recovery, Real) and self.recovery > 0):
+            raise ValueError(f"the recovery speed is positive, in m/s, not {self.recovery!r}")
 
     def attach(self, stepper: Any) -> RunningContact:
         """The running contact of a stepper.

@@ -83,6 +83,8 @@ class Newmark(Stepper):
     ) -> None:
         check_settings(time_step_factor, damping, drag)
         super().__init__(shell, rotary_scale, prefix)
+        shell.loads.freeze()
+        shell.claim(self)
         n = self.n_owned
         held, plane = conditions(shell.supports, n, shell.comm)
         model = ShellForce(shell, damping) if force_model is None else force_model
@@ -143,9 +145,13 @@ class Newmark(Stepper):
         Raises
         ------
         Unstable, on all ranks, when smaller steps diverge too; the last good state is restored
-        ValueError for a time that is not finite
+        ValueError for a time that is not finite, or once a newer solver has taken the shell over
         """
         check_time(until)
+        if not self.shell.is_claimed_by(self):
+            raise ValueError(
+                "a newer solver has taken this shell over: give each stepper a Shell of its own"
+            )
         if until <= self.time:
             return
         self.rewind.begin((until - self.time) / self.dt)

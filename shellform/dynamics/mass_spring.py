@@ -209,6 +209,7 @@ def hand_over(particles: Particles, newmark: Newmark) -> None:
     those of the surface's normals; held directors go back to rest, as particles know none and let
     them follow the normals.
     """
+    newmark.shell.claim(newmark)
     v, _ = particles.velocities()
     d, q = particles.directors(v)
     free = ~newmark.held[:, 3]

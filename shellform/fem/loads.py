@@ -41,6 +41,15 @@ class Loads:
         self.moments: list[tuple] = []
         self.pressures: list[tuple] = []
         self.named: list[str] = []
+        self.frozen = False
+
+    def freeze(self) -> None:
+        """Take no more loads: explicit steps have taken these over."""
+        self.frozen = True
+
+    def _check_open(self):
+        if self.frozen:
+            raise ValueError("give all loads before the stepper is made; it has taken these over")
 
     def kinds(self) -> dict[str, int]:
         """Kinds of load on the sheet -> how many of each, without those of zero."""
@@ -96,6 +105,7 @@ class Loads:
         """Pressure [Pa] that stays normal to the moving surface, positive towards the director."""
         if np.ndim(pressure) != 0 or not np.isfinite(pressure):
             raise ValueError(f"pressure must be one finite number of Pa, not {pressure}")
+        self._check_open()
         _check(amplitude)
         if pressure == 0:
             return
@@ -157,6 +167,7 @@ class Loads:
         return whole
 
     def _add_forces(self, kind, whole, amplitude):
+        self._check_open()
         _check(amplitude)
         if not whole.any():
             return
@@ -164,6 +175,7 @@ class Loads:
         self.forces.append((amplitude, whole[self.partition.owned_nodes]))
 
     def _add_moments(self, kind, whole, amplitude):
+        self._check_open()
         _check(amplitude)
         if not whole.any():
             return

@@ -4,6 +4,8 @@
 import os
 from pathlib import Path
 
+from mpi4py import MPI
+
 
 def write_atomically(path: str | Path, text: str) -> None:
     """Write a text file so that readers see either the old or the whole new one."""
@@ -11,3 +13,16 @@ def write_atomically(path: str | Path, text: str) -> None:
     part = path.with_name(path.name + ".part")
     part.write_text(text)
     os.replace(part, path)
+
+
+def check_place(path: str | Path, comm: MPI.Comm) -> None:
+    """ValueError on all ranks, which all call, where rank 0 cannot put a file."""
+    path, fault = Path(path), None
+    if comm.rank == 0:
+        if path.is_dir():
+            fault = f"{path} is a folder: give the name of a file in it"
+        elif not path.parent.is_dir():
+            fault = f"{path}: there is no folder {path.parent}, make it first"
+    fault = comm.bcast(fault)
+    if fault:
+        raise ValueError(fault)

@@ -26,7 +26,7 @@ from shellform.dynamics.part import Part
 from shellform.motion.joint_parts import chosen_parts
 from shellform.motion.wearer import Wearer
 
-from .files import write_atomically
+from .files import check_place, write_atomically
 
 AXES = "xyz"
 COLUMNS = ("time", "joint", "torque_x", "torque_y", "torque_z", "torque_flexion", "power")
@@ -118,6 +118,8 @@ class Torque(Part):
     def attach(self, stepper: Newmark) -> Self:
         """Begin to add up the torques of a stepper's contact."""
         self.contact = require_contact(stepper, "torque about the joints")
+        if self.path is not None:
+            check_place(self.path, stepper.shell.comm)
         wearer = self.contact.body
         if not isinstance(wearer, Wearer):
             raise ValueError(

@@ -26,7 +26,7 @@ import numpy as np
 from shellform.dynamics.part import Part
 from shellform.dynamics.time_stepper import Stepper
 
-from .files import write_atomically
+from .files import check_place, write_atomically
 
 AXES = "xyz"
 
@@ -69,8 +69,11 @@ class Ledger(Part):
 
     def attach(self, stepper: Stepper) -> Self:
         """Begin the books with the present state of a stepper; all ranks call."""
+        comm = stepper.shell.comm
+        if self.path is not None:
+            check_place(self.path, comm)
         super().attach(stepper)
-        if self.path is not None and stepper.shell.comm.rank == 0:
+        if self.path is not None and comm.rank == 0:
             self._file = Path(self.path)
         if self._resumed is not None:
             self._resume(self._resumed)

@@ -70,11 +70,11 @@ def test_ellipsoids_that_roundoff_would_lose_are_refused():
 def test_thin_rods_pass_only_where_it_is_told(radius, samples):
     """Rows of points 40 mm apart or a part of it, the rod in the middle between two of them."""
     out = meeting.over_rod(radius, samples)
-    if not out["told"]:
+    if not out["notes"]:
         assert out["caught"]
     elif samples == 0:
         assert not out["caught"]
-        need = int(out["told"][0].rsplit("=", 1)[1])
+        need = int(out["notes"][0].rsplit("=", 1)[1])
         rod = Body([Segment("rod", [radius] * 3, Fixed())])
         assert not too_thin(rod, 0.04, 5e-4, need)
 
