@@ -30,6 +30,8 @@ exclude_patterns = ["_build", "gallery", "sg_execution_times.rst"]
 html_theme = "furo"
 html_title = "shellform"
 html_math_renderer = "mathml"
+html_static_path = ["style"]
+html_css_files = ["wide.css"]
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 

@@ -8,8 +8,16 @@ no reStructuredText, so stars, bars and underscores in them mean themselves.
 
 import re
 
+from docutils import nodes
+
 SPAN = re.compile(r"(``[^`]+``|`[^`]+`)")
 NEXT = re.compile(r"; (?=[A-Za-z_][\w, ]* : )")  # between two names described on one line
+ITEM = re.compile(r"[\w*, ]+ : \S")  # a name described
+# numpy's ArrayLike, which signatures give written out
+ARRAY_LIKE = re.compile(r"_SupportsArray\[.*?_NestedSequence\[bool \|[^\]]*\]")
+OBJECT = re.compile(r"<[\w. ]+>")
+PLAIN_BASES = ("object", "NamedTuple", "Protocol")
+RAISED = re.compile(r"^(\w+Error|Unstable|NotConverged|Stopped) (?=[A-Z])")
 INDENT = 4
 LISTS = ("Parameters", "Attributes")
 
@@ -17,12 +25,14 @@ LISTS = ("Parameters", "Attributes")
 def escaped(text: str) -> str:
     """Text in which only `code` between backquotes is marked up."""
     parts = SPAN.split(text)
-    return "".join(
-        f"``{part.strip(chr(96))}``"
-        if SPAN.fullmatch(part)
-        else re.sub(r"([\\*_|`])", r"\\\1", part)
-        for part in parts
-    )
+    for k, part in enumerate(parts):
+        if SPAN.fullmatch(part):
+            # what is written on to it, as an s, is set off by a mark that is not shown
+            follows = parts[k + 1][:1].isalnum()
+            parts[k] = f"``{part.strip(chr(96))}``" + (r"\ " if follows else "")
+        else:
+            parts[k] = re.sub(r"([\\*_|`])", r"\\\1", part)
+    return "".join(parts)
 
 
 def indent_of(line: str) -> int:
@@ -58,6 +68,9 @@ def prose(lines: list[str]) -> list[str]:
     """Paragraphs; what is indented stays as it is."""
     out = []
     for run in paragraphs(lines):
+        if all(indent_of(line) or ITEM.match(line) for line in run) and not indent_of(run[0]):
+            out += items(run)
+            continue
         literal, text = [], []
         for line in run:
             # what is indented below a sentence is a formula, an example or a table
@@ -79,12 +92,25 @@ def items(lines: list[str]) -> list[str]:
             entries.append([line.strip()])
     out = []
     for text in (text for entry in entries for text in NEXT.split(" ".join(entry))):
+        if " : " not in text:
+            text = RAISED.sub(r"\1 : ", text)
         name, colon, rest = text.partition(" : ")
         if colon and "`" not in name:
             out.append(f"- ``{name}``: {escaped(rest)}")
         else:
             out.append(f"- {escaped(text)}")
     return [*out, ""]
+
+
+def examples(lines: list[str]) -> list[str]:
+    """Code as a reader would type it, with its output; sentences between stay sentences."""
+    out = []
+    for run in paragraphs(lines):
+        if run[0].lstrip().startswith(">>>"):
+            out += [".. code-block:: pycon", "", *("    " + line for line in run), ""]
+        else:
+            out += prose(run)
+    return out
 
 
 def is_list(title: str, lines: list[str]) -> bool:
@@ -99,16 +125,34 @@ def marked_up(lines: list[str]) -> list[str]:
         if title is None:
             out += prose(text)
         elif title in ("Examples", "Example"):
-            code = [line for line in text if not line.startswith("```")]
-            out += [f".. rubric:: {title}", "", "::", "", *("    " + line for line in code), ""]
+            out += [f".. rubric:: {title}", "", *examples(text)]
         else:
             shown = items(text) if is_list(title, text) else prose(text)
             out += [f".. rubric:: {title}", "", *shown]
     return out
 
 
+def shorter(signature: str) -> str:
+    """A signature that can be read as Python: defaults without a text of their own are dots."""
+    return OBJECT.sub("...", ARRAY_LIKE.sub("ArrayLike", signature))
+
+
 def setup(app):
     def process(app, what, name, obj, options, lines):
+        # what Python writes of a field without a word of its own
+        if lines and lines[0].startswith("Alias for field number"):
+            lines.clear()
         lines[:] = marked_up(lines)
 
+    def short(app, what, name, obj, options, signature, returned):
+        return tuple(text and shorter(text) for text in (signature, returned))
+
+    def without_plain_bases(app, doctree):
+        for line in list(doctree.findall(nodes.paragraph)):
+            title, _, bases = line.astext().partition("Bases: ")
+            if not title and bases in PLAIN_BASES:
+                line.parent.remove(line)
+
     app.connect("autodoc-process-docstring", process)
+    app.connect("autodoc-process-signature", short)
+    app.connect("doctree-read", without_plain_bases)

@@ -1,12 +1,30 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Pages of the reference, one a room: every module of it with its public names."""
+"""Pages of the reference, one a room: every module of it with its public names.
+
+What `shellform` and `meshes` give at once has a page in docs/api; the room refers to it.
+"""
 
 import importlib
 import pkgutil
+import re
+from functools import cache
 from pathlib import Path
 
 PACKAGES = ("shellform", "contact", "meshes")
-FOLDER = Path(__file__).parent / "api" / "rooms"
+API = Path(__file__).parent / "api"
+FOLDER = API / "rooms"
+PUBLIC = re.compile(r"^\.\. auto\w+:: (\w+)\.(\w+)$", re.M)
+
+
+@cache
+def public_names() -> dict[str, dict[str, str]]:
+    """Module -> names that it makes and that have a page of their own -> that page."""
+    found: dict[str, dict[str, str]] = {}
+    for path in sorted(API.glob("*.md")):
+        for package, name in PUBLIC.findall(path.read_text()):
+            home = getattr(importlib.import_module(package), name).__module__
+            found.setdefault(home, {})[name] = path.name
+    return found
 
 
 def modules_of(package: str) -> dict[str, list[str]]:
@@ -30,7 +48,14 @@ def page(room: str, names: list[str]) -> str:
     for name in names:
         if name != room:
             lines += [f"## {name}", ""]
-        lines += ["```{eval-rst}", f".. automodule:: {name}", "   :ignore-module-all:", "```", ""]
+        lines += ["```{eval-rst}", f".. automodule:: {name}", "   :ignore-module-all:"]
+        public = public_names().get(name, {})
+        if public:
+            lines += [f"   :exclude-members: {', '.join(public)}", "```", ""]
+            lines += [f"{', '.join(f'[`{n}`](../{page})' for n, page in public.items())}"]
+        else:
+            lines += ["```"]
+        lines += [""]
     return "\n".join(lines)
 
 

@@ -74,4 +74,5 @@ figure.suptitle("Nodes of 16 cells over the exact circles", fontsize=10)
 
 tip = shell.displacement_at((length, 0, 0)) + (length, 0, 0)
 print(f"tip {np.linalg.norm(tip) / length:.1e} of the length from the clamp")
-print(f"{len(statics.steps)} steps, {sum(s.iterations for s in statics.steps)} Newton iterations")
+iterations = sum(step.iterations for step in statics.steps)
+print(f"{len(statics.steps)} steps, {iterations} Newton iterations")

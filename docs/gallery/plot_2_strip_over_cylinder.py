@@ -56,7 +56,8 @@ for mark, (cells, run) in zip("os", found.items()):
     left.plot(*run["nodes"].T, mark, ms=4, mfc="none", label=f"{cells} cells")
     on = run["phi"] < 0.6 * np.pi
     sums = np.cumsum(run["force"])
-    right.step(np.degrees(run["phi"][on]), sums[on], where="post", lw=1.2, label=f"{cells} cells")
+    angle = np.degrees(run["phi"][on])
+    right.step(angle, sums[on], where="post", lw=1.2, label=f"{cells} cells")
 left.set_aspect("equal")
 left.set_xlabel("x [m]")
 left.set_ylabel("z [m]")

@@ -20,7 +20,7 @@ import numpy as np
 
 import meshes
 import shellform as sf
-from shellform.pictures.surfaces import draw_surfaces, ellipsoid_facets, facing, smooth, view_axes
+from shellform.pictures import surfaces as pictures
 
 # %%
 # Cloth and body
@@ -57,7 +57,8 @@ for time in times:
 # At rest the body and the pin do, together; the momentum of the whole run closes to roundoff.
 
 push = np.array([row["force_sphere_z"] for row in ledger.rows])
-pin = np.diff([0.0] + [row["support_impulse_z"] for row in ledger.rows]) / np.diff(times, prepend=0)
+impulse = [row["support_impulse_z"] for row in ledger.rows]
+pin = np.diff(impulse, prepend=0.0) / np.diff(times, prepend=0.0)
 weight = fabric.areal_mass * gravity
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4.2), layout="constrained")
 left.plot(times, push, label="sphere")
@@ -68,9 +69,12 @@ left.set_xlabel("time [s]")
 left.set_ylabel("force up [N]")
 left.legend(frameon=False)
 view = (-100.0, 10.0)  # degrees, the pin to the left
-skin = facing(ellipsoid_facets(centre, np.eye(3), np.full(3, radius)), view_axes(*view)[2])
-cloth = smooth(shell.positions(), shell.directors(), square.cells, 3)
+skin = pictures.ellipsoid_facets(centre, np.eye(3), np.full(3, radius))
+skin = pictures.facing(skin, pictures.view_axes(*view)[2])
+cloth = pictures.smooth(shell.positions(), shell.directors(), square.cells, 3)
 blue, sand, red = "#7aa6c2", "#c9b79c", "#d8a48f"
-draw_surfaces(right, [(*cloth, blue, sand, 0.0), (skin, None, red, red, 0.05)], *view)
-print(f"weight {weight:.4f} N, sphere {push[-4:].mean():.4f} N, pin {pin[-4:].mean():.4f} N")
-print(f"momentum left over: {max(row['momentum_residual'] for row in ledger.rows):.1e} N s")
+pictures.draw_surfaces(right, [(*cloth, blue, sand, 0.0), (skin, None, red, red, 0.05)], *view)
+sphere, held = push[-4:].mean(), pin[-4:].mean()
+print(f"weight {weight:.4f} N, sphere {sphere:.4f} N, pin {held:.4f} N")
+left_over = max(row["momentum_residual"] for row in ledger.rows)
+print(f"momentum left over: {left_over:.1e} N s")

@@ -43,7 +43,8 @@ scene = sf.Scene(
 
 folder = Path(tempfile.mkdtemp())
 results = sf.run(scene, folder)
-print(f"weight {results['weight']:.3f} N, forces balance to {results['force_balance_error']:.0e}")
+balance = results["force_balance_error"]
+print(f"weight {results['weight']:.3f} N, forces balance to {balance:.0e}")
 
 # %%
 # Torque about hips and knees

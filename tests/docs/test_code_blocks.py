@@ -22,6 +22,8 @@ from typing import NamedTuple
 
 import pytest
 
+import meshes
+import shellform
 from shellform.__main__ import parser
 from shellform.scene.scene_file import read_scene
 
@@ -185,6 +187,7 @@ def test_commands(page, tmp_path):
 
 
 NAMED = re.compile(r"`((?:shellform|contact|meshes|demos|tests|docs)/[\w./*-]+)`")
+FILE = re.compile(r"`(\w+\.(?:py|toml))`")
 LINK = re.compile(r"\[[^\]]*\]\(([^)#:\s]+)(?:#[^)]*)?\)")
 
 
@@ -196,6 +199,24 @@ def test_files_that_a_page_names_exist(page):
     named_here += [page.parent / link for link in LINK.findall(text)]
     named_here = [path for path in named_here if not set(MADE) & set(path.parts)]
     assert [str(path) for path in named_here if not path.exists()] == []
+
+
+def test_files_that_contributing_names_alone_exist():
+    """`capsule.py` beside its folder."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    ours = {
+        p.name for room in ("shellform", "contact", "meshes") for p in ROOT.glob(f"{room}/**/*")
+    }
+    assert {"capsule.py", "formats.py"} <= set(FILE.findall(text)) <= ours
+
+
+@pytest.mark.parametrize("package", [shellform, meshes])
+def test_public_names_stand_in_the_reference(package):
+    """All but plain tables, whose text is where they are used."""
+    pages = "".join(path.read_text() for path in (ROOT / "docs/api").glob("*.md"))
+    listed = set(re.findall(r"^\.\. auto\w+:: \w+\.(\w+)$", pages, re.M))
+    names = {name for name in package.__all__ if callable(getattr(package, name))}
+    assert len(names) > 10 and names <= listed
 
 
 def test_readme_is_two_screens():
