@@ -75,8 +75,13 @@ def require_no_jump(
     """
     b, jump = first_jump(*start, *end, extents, dt)
     if b >= 0:
-        raise ValueError(
-            f"segment '{names[b]}' jumps by {jump:.3g} m between t = {t:.6g} and {t + dt:.6g} s, "
-            "which its velocity does not tell; give it a motion that goes there, or place it "
-            "before the first step"
-        )
+        raise body_jumps(names[b], jump, t, t + dt)
+
+
+def body_jumps(name: str, jump: float, start: float, end: float) -> ValueError:
+    """What to raise for a segment that jumps by some way [m] between two times [s]."""
+    return ValueError(
+        f"segment '{name}' jumps by {jump:.3g} m between t = {start:.6g} and {end:.6g} s, "
+        "which its velocity does not tell; give it a motion that goes there, or place it "
+        "before the first step"
+    )

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.body.pose_check import first_jump
 from contact.body.segment_sets import bits_of, moving_together
 from contact.body.segments import Body
 from contact.geometry.shape import SHAPE_FIELDS, set_shapes
@@ -79,6 +80,29 @@ def set_motion(
         segment.reach = longest + offset + np.sqrt(moving)
         segment.contraction = max(0.0, 1.0 - np.sqrt(turning))
         segment.roundoff = 1e-14 * (longest + np.sqrt(place))
+
+
+@kernel
+def move_segments(
+    centres: np.ndarray,
+    axes: np.ndarray,
+    velocities: np.ndarray,
+    spins: np.ndarray,
+    end_centres: np.ndarray,
+    end_axes: np.ndarray,
+    end_velocities: np.ndarray,
+    end_spins: np.ndarray,
+    extents: np.ndarray,
+    dt: float,
+    offset: float,
+    segments: np.ndarray,
+) -> tuple[int, float]:
+    """`set_motion` and `first_jump` in one call: from two poses, see there."""
+    set_motion(centres, axes, end_centres, end_axes, offset, segments)
+    return first_jump(
+        centres, axes, velocities, spins, end_centres, end_axes, end_velocities, end_spins,
+        extents, dt,
+    )  # fmt: skip
 
 
 @kernel

@@ -15,6 +15,7 @@ STEP = np.dtype(
         ("dt", float),  # [s]
         ("friction", float, PARAMETERS),  # numbers of the law, see friction.py
         ("offset", float),  # from the skin at which cloth is held [m]
+        ("recovery_speed", float),  # greatest of a node that is moved out of a body [m/s]
         ("recovery", float),  # way out of a body in one step for a node that starts inside [m]
         ("flesh", float),  # stiffness of soft segments over areal mass [1/s^2], see soft_contact.py
         # motion of the body

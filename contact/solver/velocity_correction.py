@@ -15,6 +15,7 @@ applied (without it: the free velocity). Then the work of forces and contact ove
 the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -22,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.body.pose_check import require_no_jump
+from contact.body.pose_check import body_jumps
 from contact.body.segment_sets import SETS
 from contact.body.segments import Body, Pose
 from contact.kernel import kernel
@@ -31,7 +32,7 @@ from .broad_phase import LEAST, STEPS, clearance_left, measure, surface_motion
 from .contact_ledger import Ledger
 from .friction import Friction, as_friction
 from .node_contact import node_kernel
-from .segment_motion import in_reach, segment_records, set_motion
+from .segment_motion import in_reach, move_segments, segment_records
 from .step_record import NODE, set_friction, step_record
 from .supporting_planes import PLANE
 
@@ -39,11 +40,23 @@ EVERY = 2**63 - 1  # all segments
 
 
 @kernel
-def begin_step(work: Any, segments: np.ndarray) -> None:
-    """Bounds on the motion of the body for the broad phase; counts are set to zero."""
+def begin_step(dt: float, work: Any, segments: np.ndarray) -> None:
+    """Settings of a step of dt [s], bounds on the motion of the body; counts are set to zero."""
+    work.dt, work.recovery = dt, work.recovery_speed * dt
     work.motion, work.thinnest = surface_motion(segments, work.offset)
     work.evaluated, work.active, work.sticking, work.pinched = 0, 0, 0, 0
     work.max_depth = work.pinch_depth = 0.0
+
+
+@kernel
+def end_step(work: Any, nodes: np.ndarray) -> None:
+    """Add the motion of the body to its way; where it has no bound all is measured anew."""
+    if work.motion < np.inf:
+        work.path += work.motion
+        return
+    work.path = 0.0
+    for i in range(len(nodes)):
+        nodes[i].clearance, nodes[i].path = -1.0, 0.0
 
 
 @kernel
@@ -63,18 +76,21 @@ def may_meet(x: np.ndarray, reach: float, node: Any, work: Any, segments: np.nda
 
 @cache
 def correction_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel correct(x, v, old, mass, nodes, work, segments, planes, impulse, book) of a law.
+    """Kernel correct(x, v, old, mass, dt, nodes, work, segments, planes, *books) of a law.
 
     One step of contact for all nodes, see VelocityCorrection; 0, or the number + 1 of a node that
-    is not finite.
+    is not finite. books : impulse (n, 3) and table (m, BOOKED) of this step, filled, and those of
+    the window, added to.
     """
     correct_node = node_kernel(kinetic_coefficient)
 
     @kernel
-    def correct(x, v, old, mass, nodes, step, segments, planes, impulse, book):
+    def correct(
+        x, v, old, mass, dt, nodes, step, segments, planes, impulse, book, window, window_book
+    ):
         work = step[0]
-        begin_step(work, segments)
-        dt, path, motion = work.dt, work.path, work.motion
+        begin_step(dt, work, segments)
+        path, motion = work.path, work.motion
         book[:] = 0.0
         for i in range(len(x)):
             total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
@@ -101,6 +117,9 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
                 for c in range(3):
                     v[i, c] += work.change[c]
                     impulse[i, c] = mass[i] * work.change[c]
+                    window[i, c] += impulse[i, c]
+        window_book += book
+        end_step(work, nodes)
         return 0
 
     return correct
@@ -129,8 +148,6 @@ class VelocityCorrection:
     segment : (n,) int, segment touched in the last step, where two hold the node the one that
         pushes more; -1 without contact
     penetrated : (n,) int, set of the soft segments that each node lies in
-    max_depth : float, deepest start of the last step below the offset surface [m]
-    pinch_depth : float, the same of pinched nodes, which are not counted there [m]
 
     Raises
     ------
@@ -175,16 +192,16 @@ class VelocityCorrection:
                 f"of {len(body.shapes)} segments that move by themselves only {SETS} can be told "
                 "apart as soft ones; give several one carrier, or leave them hard"
             )
-        self._friction, self._recovery = as_friction(friction), float(recovery)
+        self._friction = as_friction(friction)
         self._correct = correction_kernel(self._friction.kinetic_coefficient)
-        self._step = step_record(self._friction, float(offset))
-        self._step["flesh"] = flesh
+        self._offset = float(offset)
+        self._step = step_record(self._friction, self._offset)
+        self._step["flesh"], self._step["recovery_speed"] = flesh, recovery
         self._work = self._step[0]
         self._planes = np.zeros(2 * len(self._segments), PLANE)
         self._extents = np.array([shape.half_extents for shape in body.shapes], float)
         m = len(self._segments)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
-        self.max_depth = self.pinch_depth = 0.0
         self._start, self._end = body.new_pose(), body.new_pose()
         self._start_time: float | None = None
         self._end_time: float | None = None
@@ -213,37 +230,31 @@ class VelocityCorrection:
         ValueError
             For arrays of wrong shapes, a step or a mass that is none, a body that jumps.
         FloatingPointError
-            When a position or velocity is not finite, with the node; v is then partly corrected.
+            When a position or velocity is not finite, with the node; v is then partly corrected,
+            and the window partly booked.
         """
         old = v if v_old is None else v_old
         self._check(x, v, mass, old, dt, t)
         self._move(t, t + dt)
-        step, work, last = self._step, self._work, self.last
-        work["dt"], work["recovery"] = dt, self._recovery * dt
-        start, end = self._start, self._end
-        set_motion(start.centres, start.axes, end.centres, end.axes, work["offset"], self._segments)
+        last, window = self.last, self.window
         bad = self._correct(
-            x, v, old, mass, self._nodes, step, self._segments, self._planes, last.impulse,
-            last.table,
+            x, v, old, mass, dt, self._nodes, self._step, self._segments, self._planes,
+            last.impulse, last.table, window.impulse, window.table,
         )  # fmt: skip
-        self.max_depth, self.pinch_depth = float(work["max_depth"]), float(work["pinch_depth"])
-        if work["motion"] == np.inf:
-            work["path"], self._nodes["clearance"] = 0.0, -1.0
-        else:
-            work["path"] += work["motion"]
         if bad:
             self._refuse(bad - 1, x, v, mass, t)
         last.seconds = dt
-        self.window.add(last)
+        window.seconds += dt
 
     def _check(self, x, v, mass, old, dt, t):
         nodes, shape = self.segment.shape, self.last.impulse.shape
-        for name, array, wanted in (
-            ("x", x, shape), ("v", v, shape), ("mass", mass, nodes), ("v_old", old, shape),
-        ):  # fmt: skip
-            if array.shape != wanted:
-                raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
-        if not (0 < dt < np.inf and np.isfinite(t)):
+        if not (x.shape == v.shape == old.shape == shape and mass.shape == nodes):
+            for name, array, wanted in (
+                ("x", x, shape), ("v", v, shape), ("mass", mass, nodes), ("v_old", old, shape),
+            ):  # fmt: skip
+                if array.shape != wanted:
+                    raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
+        if not (0 < dt < math.inf and math.isfinite(t)):
             raise ValueError(
                 f"contact needs a time step above 0 s at a finite time, not {dt} s at {t}"
             )
@@ -266,8 +277,11 @@ class VelocityCorrection:
                 self.body.pose(start, self._start)
         self.body.pose(end, self._end)
         self._start_time, self._end_time = start, end
-        names = self.body.names
-        require_no_jump(names, self._extents, self._start, self._end, start, end - start)
+        jumping, jump = move_segments(
+            *self._start, *self._end, self._extents, end - start, self._offset, self._segments
+        )
+        if jumping >= 0:
+            raise body_jumps(self.body.names[jumping], jump, start, end)
 
     @property
     def friction(self) -> Friction:
@@ -305,12 +319,22 @@ class VelocityCorrection:
         """Nodes in soft segments, or to which hard ones left no room, in the last step."""
         return int(self._work["pinched"])
 
+    @property
+    def max_depth(self) -> float:
+        """Deepest start of the last step below the offset surface [m]."""
+        return float(self._work["max_depth"])
+
+    @property
+    def pinch_depth(self) -> float:
+        """The same of pinched nodes, which are not counted there [m]."""
+        return float(self._work["pinch_depth"])
+
     def add_counts(self, other: "VelocityCorrection") -> None:
         """Add the counts of the last step of another correction, and take the greater depths."""
         for name in ("evaluated", "active", "sticking", "pinched"):
             self._work[name] += other._work[name]
-        self.max_depth = max(self.max_depth, other.max_depth)
-        self.pinch_depth = max(self.pinch_depth, other.pinch_depth)
+        for name in ("max_depth", "pinch_depth"):
+            self._work[name] = max(self._work[name], other._work[name])
 
     def reset(self) -> None:
         """Begin a new window."""

@@ -24,7 +24,7 @@ from shellform.fem.shell import Shell
 
 from . import explicit_kernels
 from .books import DAMPING, EXTERNAL, INTERNAL, WORKS, Books
-from .explicit_kernels import Forces, Nodes
+from .explicit_kernels import NODE, Forces
 from .explicit_supports import conditions, follow
 from .external_force import ExternalForce
 from .force_model import ForceModel
@@ -51,7 +51,8 @@ class Newmark(Stepper):
     clock, books : see books.py; balances are given at the present time, see `balance`
     force_model : ForceModel, what pushes nodes from inside
     external : ExternalForce, loads and forces that depend on the motion
-    forces : explicit_kernels.Forces of the last kick; nodes : explicit_kernels.Nodes
+    forces : Forces of the last kick; nodes : (n_owned,) NODE, for kernels, with copies of `mass`
+        and `inertia`
     drag : float [1/s], may be changed between calls of `advance`
     factor : float, `time_step_factor`
     rewind : Rewind, which cuts back steps that diverge in `advance`
@@ -92,7 +93,10 @@ class Newmark(Stepper):
             held[:, 3], plane[:] = True, 0.0
         self.force_model, self.factor = model, time_step_factor
         self.damping, self.drag = damping, drag
-        self.nodes = Nodes(self.mass, self.inertia, held, plane)
+        self.nodes = np.zeros(n, NODE)
+        self.nodes["mass"], self.nodes["inertia"] = self.mass, self.inertia
+        self.nodes["held"], self.nodes["plane"] = held, plane
+        self._directors = self.owned[:, 3:]
         self.external = ExternalForce(shell.loads, n)
         self.support_impulse = np.zeros((n, 3))
         self.forces = Forces(np.zeros((n, 6)), self.external.force, self.support_impulse)
@@ -109,7 +113,7 @@ class Newmark(Stepper):
     @property
     def held(self) -> np.ndarray:
         """Held components (n_owned, 4) bool: u_x, u_y, u_z and the whole director."""
-        return self.nodes.held
+        return self.nodes["held"].view(bool)
 
     @property
     def critical_dt(self) -> float:
@@ -214,7 +218,7 @@ class Newmark(Stepper):
         turning = self._add_moments(r, q)
         forces = Forces(r, self.external.update(self), impulse)
         explicit_kernels.kick(
-            v, q, forces, self.owned[:, 3:], self.nodes, self.drag, dt, books.works
+            v, q, *forces, self._directors, self.nodes, self.drag, dt, books.works
         )
         if turning:
             _book_moments(*turning, q, dt, books.works)
@@ -223,7 +227,7 @@ class Newmark(Stepper):
     def _book(self, kicked):
         """Book the last kick once all parts have had their say."""
         explicit_kernels.book(
-            self.v_old, self._free, self.v, self.forces, self.nodes, self.drag, kicked, self.books
+            self.v_old, self._free, self.v, *self.forces, self.nodes, self.drag, kicked, *self.books
         )
         self.books.works[DAMPING] += self.force_model.damping_loss(
             self.v_old, self.v, kicked, self.clock.last_kick
@@ -254,7 +258,7 @@ class Newmark(Stepper):
         v, q = self.v.copy(), self.q.copy()
         books, dt = Books(self.books.works.copy(), np.zeros((3, 3))), 0.5 * self.clock.last_dt
         forces = self._push(v, q, dt, np.empty_like(v), books)
-        explicit_kernels.book(self.v, v, v, forces, self.nodes, self.drag, dt, books)
+        explicit_kernels.book(self.v, v, v, *forces, self.nodes, self.drag, dt, *books)
         books.works[DAMPING] += self.force_model.damping_loss(self.v, v, dt, self.clock.last_kick)
         return v, q, books.works
 

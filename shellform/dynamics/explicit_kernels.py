@@ -14,27 +14,23 @@ import numpy as np
 
 from contact.kernel import kernel
 
-from .books import Books
-
 NEAR = 0.01  # of an angle squared: the first term left out of the series is below 1e-20
 
 
-class Nodes(NamedTuple):
-    """What steps do not change of n nodes.
-
-    mass, inertia : (n,) [kg, kg m^2]
-    held : (n, 4) bool, u_x, u_y, u_z and the whole director
-    plane : (n, 3), normal that a director may not turn towards, zero where none
-    """
-
-    mass: np.ndarray
-    inertia: np.ndarray
-    held: np.ndarray
-    plane: np.ndarray
+# one record per node: what steps do not change
+NODE = np.dtype(
+    [
+        ("mass", float),  # [kg]
+        ("inertia", float),  # [kg m^2]
+        ("held", np.uint8, 4),  # 0 or 1: u_x, u_y, u_z and the whole director
+        ("plane", float, 3),  # normal that a director may not turn towards, zero where none
+    ],
+    align=True,
+)
 
 
 class Forces(NamedTuple):
-    """What pushes n nodes in a kick.
+    """What pushes n nodes in a kick; kernels get the arrays, which numba takes in faster.
 
     internal : (n, 6), internal forces [N, N m]; external : (n, 3) [N]
     support : (n, 3), the supports' impulse on the nodes [N s]
@@ -49,9 +45,11 @@ class Forces(NamedTuple):
 def kick(
     v: np.ndarray,
     q: np.ndarray,
-    forces: Forces,
+    r: np.ndarray,
+    force: np.ndarray,
+    impulse: np.ndarray,
     d: np.ndarray,
-    nodes: Nodes,
+    nodes: np.ndarray,
     drag: float,
     dt: float,
     work: np.ndarray,
@@ -64,38 +62,37 @@ def kick(
     Parameters
     ----------
     v, q : (n, 3), velocities of nodes [m/s] and directors [1/s], changed
-    forces : Forces, of which `support` is overwritten
+    r, force, impulse : see Forces; the last is overwritten
     d : (n, 3), directors
-    nodes : Nodes
+    nodes : (n,) NODE
     drag : float [1/s], decay rate of the velocities relative to still air
     dt : float [s]
     work : (5,) [J], see Books; added to
     """
-    r, force, impulse = forces.internal, forces.external, forces.support
-    mass, inertia, held, plane = nodes.mass, nodes.inertia, nodes.held, nodes.plane
     keep = (1.0 - 0.5 * dt * drag) / (1.0 + 0.5 * dt * drag)
     gain = dt / (1.0 + 0.5 * dt * drag)
     inner = slowed = 0.0  # sums in registers
     for i in range(v.shape[0]):
-        by_mass, by_inertia = gain / mass[i], gain / inertia[i]
+        node = nodes[i]
+        by_mass, by_inertia = gain / node.mass, gain / node.inertia
         along = r[i, 3] * d[i, 0] + r[i, 4] * d[i, 1] + r[i, 5] * d[i, 2]
         out = 0.0
         for k in range(3):
-            out += (r[i, 3 + k] - along * d[i, k]) * plane[i, k]
+            out += (r[i, 3 + k] - along * d[i, k]) * node.plane[k]
         for k in range(3):
-            if held[i, k]:
+            if node.held[k]:
                 impulse[i, k] = dt * (r[i, k] - force[i, k])
             else:
                 impulse[i, k] = 0.0
                 v[i, k] = keep * v[i, k] + by_mass * (force[i, k] - r[i, k])
-            if not held[i, 3]:
-                turn = r[i, 3 + k] - along * d[i, k] - out * plane[i, k]
+            if not node.held[3]:
+                turn = r[i, 3 + k] - along * d[i, k] - out * node.plane[k]
                 old = q[i, k]
                 new = keep * old - by_inertia * turn
                 q[i, k] = new
                 mean = 0.5 * dt * (old + new)
                 inner -= turn * mean
-                slowed += drag * inertia[i] * mean * 0.5 * (old + new)
+                slowed += drag * node.inertia * mean * 0.5 * (old + new)
     work[0] += inner
     work[2] += slowed
 
@@ -105,11 +102,14 @@ def book(
     v_old: np.ndarray,
     free: np.ndarray,
     v: np.ndarray,
-    forces: Forces,
-    nodes: Nodes,
+    r: np.ndarray,
+    force: np.ndarray,
+    impulse: np.ndarray,
+    nodes: np.ndarray,
     drag: float,
     dt: float,
-    books: Books,
+    work: np.ndarray,
+    totals: np.ndarray,
 ) -> None:
     """Book a kick whose velocities went from v_old to v, contact included.
 
@@ -120,11 +120,9 @@ def book(
     ----------
     v_old, v : (n, 3) [m/s], before the kick and when all have had their say
     free : (n, 3) [m/s], just after `kick`: tells what drag took
-    forces, nodes, drag, dt : see kick
-    books : Books, added to
+    r, force, impulse, nodes, drag, dt : see kick
+    work (5,), totals (3, 3) : works and impulses, see Books; added to
     """
-    r, force, impulse = forces.internal, forces.external, forces.support
-    mass, held, work, totals = nodes.mass, nodes.held, books.works, books.impulses
     inner = outer = lost = guided = 0.0
     for k in range(3):
         # over the nodes first: added to the totals one by one, each would be rounded as they are
@@ -136,8 +134,8 @@ def book(
             guided += impulse[i, k] * mean
             loads += force[i, k] * dt
             supports += impulse[i, k]
-            if drag > 0.0 and not held[i, k]:
-                slowed = drag * mass[i] * dt * 0.5 * (v_old[i, k] + free[i, k])
+            if drag > 0.0 and not nodes[i].held[k]:
+                slowed = drag * nodes[i].mass * dt * 0.5 * (v_old[i, k] + free[i, k])
                 lost += slowed * mean
                 still -= slowed
         totals[0, k] += loads

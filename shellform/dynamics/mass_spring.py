@@ -19,20 +19,17 @@ from shellform.fem.shell import Shell
 from shellform.material.energy import StVenant
 
 from .explicit import Newmark, check_settings
-from .explicit_kernels import Forces
 from .springs import Springs
 
 
 class Limit(NamedTuple):
-    """Provot's limit on s springs between n nodes.
+    """Provot's limit.
 
-    pairs : (s, 2) int; rest : (s,) [m]; bound : float, greatest length over that at rest
+    bound : float, greatest length of a spring over that at rest
     slack : float, excess of strain at which the sweeps end; sweeps : int, at most
     fixed : (n,) bool, nodes that supports hold; shift : (n, 3), scratch
     """
 
-    pairs: np.ndarray
-    rest: np.ndarray
     bound: float
     slack: float
     sweeps: int
@@ -46,9 +43,15 @@ def limit(
     w: np.ndarray,
     v: np.ndarray,
     dt: float,
-    springs: Limit,
+    table: np.ndarray,
+    bound: float,
+    slack: float,
+    sweeps: int,
+    fixed: np.ndarray,
+    shift: np.ndarray,
     mass: np.ndarray,
-    forces: Forces,
+    r: np.ndarray,
+    impulse: np.ndarray,
     kicked: float,
 ) -> None:
     """Change velocities v so that springs end the step below their bound.
@@ -59,28 +62,27 @@ def limit(
     Parameters
     ----------
     x, w : (n, 3), (n, >= 3), reference positions and displacements [m]; v : (n, 3) [m/s], changed
-    dt, kicked : float [s]; springs : Limit; mass : (n,) [kg]; forces : Forces of the kick, changed
+    dt, kicked : float [s]; table : (s,) SPRING; bound, slack, sweeps, fixed, shift : see Limit
+    mass : (n,) [kg]; r (n, 6) [N], impulse (n, 3) [N s] : of the kick, see Forces; changed
     """
-    pairs, rest, bound, fixed = springs.pairs, springs.rest, springs.bound, springs.fixed
-    slack, shift, impulse, r = springs.slack, springs.shift, forces.support, forces.internal
     shift[:] = 0.0
     d = np.empty(3)
     moved = False
-    for _ in range(springs.sweeps):
+    for _ in range(sweeps):
         worst = 0.0
-        for s in range(len(rest)):
-            i, j = pairs[s, 0], pairs[s, 1]
+        for s in range(len(table)):
+            i, j, rest = table[s].ends[0], table[s].ends[1], table[s].rest
             square = 0.0
             for c in range(3):
                 d[c] = x[j, c] - x[i, c] + w[j, c] - w[i, c]
                 d[c] += dt * (v[j, c] - v[i, c]) + shift[j, c] - shift[i, c]
                 square += d[c] * d[c]
-            over = np.sqrt(square) - bound * rest[s]
+            over = np.sqrt(square) - bound * rest
             a = 0.0 if fixed[i] else 1.0 / mass[i]
             b = 0.0 if fixed[j] else 1.0 / mass[j]
             if over <= 0.0 or a + b == 0.0:
                 continue
-            worst, moved = max(worst, over / rest[s]), True
+            worst, moved = max(worst, over / rest), True
             push = over / (np.sqrt(square) * (a + b))
             for c in range(3):
                 shift[i, c] += a * push * d[c]
@@ -152,11 +154,11 @@ class Particles(Newmark):
         )
         super().__init__(shell, time_step_factor, damping, drag, 0.0, prefix, springs)
         self._limit: Limit | None = None
+        self._limited = springs.table[: springs.limited]
         if strain_limit is not None:
-            limited, table = slice(springs.limited), springs.table
             self._limit = Limit(
-                table.pairs[limited], table.rest[limited], 1 + strain_limit, limit_slack,
-                limit_sweeps, self.held[:, :3].any(axis=1), np.zeros((self.n_owned, 3)),
+                1 + strain_limit, limit_slack, limit_sweeps, self.held[:, :3].any(axis=1),
+                np.zeros((self.n_owned, 3)),
             )  # fmt: skip
         normals = self.normals()[0]
         # +1 or -1 a node: the side of the sheet on which the shell's directors are
@@ -171,7 +173,10 @@ class Particles(Newmark):
         """Velocities by the forces, the supports, then the strain limit."""
         super().kick(kicked, dt)
         if self._limit is not None:
-            limit(self.points, self.owned, self.v, dt, self._limit, self.mass, self.forces, kicked)
+            limit(
+                self.points, self.owned, self.v, dt, self._limited, *self._limit, self.mass,
+                self.forces.internal, self.forces.support, kicked,
+            )  # fmt: skip
 
     def advance(self, until: float) -> None:
         """Step until a time [s] is reached exactly; directors follow the surface."""

@@ -10,7 +10,7 @@ adds to C11 is taken off the edges below it. Buckling springs (Choi and Ko, ACM 
 2002): k_b = B h/2, f = k_b kappa^2/(cos(kappa L/2) - sinc(kappa L/2)), -12 k_b/L^2 when straight.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -62,20 +62,17 @@ def pull(length: float, rest: float, k: float, k_b: float, turn: float, linear: 
     return buckling_force(length, rest, k_b)[0]
 
 
-class Table(NamedTuple):
-    """s springs between nodes.
-
-    pairs : (s, 2) int; rest : (s,) [m]; k : (s,) [N/m], in tension
-    k_b : (s,) [N m^2], of springs that buckle, 0 else; turn : (s,) [m], length where they do
-    kind : (s,) int, EDGE, DIAGONAL or BEND
-    """
-
-    pairs: np.ndarray
-    rest: np.ndarray
-    k: np.ndarray
-    k_b: np.ndarray
-    turn: np.ndarray
-    kind: np.ndarray
+# one record per spring
+SPRING = np.dtype(
+    [
+        ("ends", np.int64, 2),  # nodes
+        ("rest", float),  # length [m]
+        ("k", float),  # in tension [N/m]
+        ("k_b", float),  # of springs that buckle [N m^2], 0 else
+        ("turn", float),  # length where they do [m]
+        ("kind", np.int64),  # EDGE, DIAGONAL or BEND
+    ]
+)
 
 
 @kernel
@@ -84,32 +81,32 @@ def forces(
     w: np.ndarray,
     v: np.ndarray,
     damping: float,
-    table: Table,
+    table: np.ndarray,
     linear: bool,
     r: np.ndarray,
     viscous: np.ndarray,
 ) -> None:
     """Internal forces into r (n, 6) [N], stiffness-proportional damping along the springs.
 
-    The part of damping alone goes into viscous (n, 3) [N] too. `linear`: springs that buckle have
-    the slope they start with, on both sides.
+    table : (s,) SPRING. The part of damping alone goes into viscous (n, 3) [N] too. `linear`:
+    springs that buckle have the slope they start with, on both sides.
     """
-    pairs, rest, k, k_b, turn = table.pairs, table.rest, table.k, table.k_b, table.turn
     r[:] = 0.0
     if damping > 0.0:
         viscous[:] = 0.0
-    for s in range(len(rest)):
-        i, j = pairs[s, 0], pairs[s, 1]
+    for s in range(len(table)):
+        spring = table[s]
+        i, j = spring.ends[0], spring.ends[1]
         d0 = points[j, 0] - points[i, 0] + w[j, 0] - w[i, 0]
         d1 = points[j, 1] - points[i, 1] + w[j, 1] - w[i, 1]
         d2 = points[j, 2] - points[i, 2] + w[j, 2] - w[i, 2]
         length = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
         if length == 0.0:
             continue
-        f = pull(length, rest[s], k[s], k_b[s], turn[s], linear)
+        f = pull(length, spring.rest, spring.k, spring.k_b, spring.turn, linear)
         if damping > 0.0:
             rate = d0 * (v[j, 0] - v[i, 0]) + d1 * (v[j, 1] - v[i, 1]) + d2 * (v[j, 2] - v[i, 2])
-            slow = damping * k[s] * rate / length
+            slow = damping * spring.k * rate / length
             f += slow
             slow /= length
             viscous[i, 0] -= slow * d0
@@ -128,25 +125,24 @@ def forces(
 
 
 @kernel
-def energies(points: np.ndarray, w: np.ndarray, table: Table, out: np.ndarray) -> None:
-    """Strain energies [J] by kind into out (3,)."""
-    pairs, rest, k, k_b, turn = table.pairs, table.rest, table.k, table.k_b, table.turn
-    kind = table.kind
+def energies(points: np.ndarray, w: np.ndarray, table: np.ndarray, out: np.ndarray) -> None:
+    """Strain energies [J] of springs (s,) SPRING by kind into out (3,)."""
     out[:] = 0.0
-    for s in range(len(rest)):
-        square = 0.0
+    for s in range(len(table)):
+        spring, square = table[s], 0.0
+        i, j = spring.ends[0], spring.ends[1]
         for c in range(3):
-            i, j = pairs[s, 0], pairs[s, 1]
             square += (points[j, c] - points[i, c] + w[j, c] - w[i, c]) ** 2
         length = np.sqrt(square)
-        e = 0.5 * k[s] * (length - rest[s]) ** 2
-        if k_b[s] > 0.0 and length >= rest[s]:
+        rest, k, k_b, turn = spring.rest, spring.k, spring.k_b, spring.turn
+        e = 0.5 * k * (length - rest) ** 2
+        if k_b > 0.0 and length >= rest:
             e = 0.0
-        elif k_b[s] > 0.0 and length < turn[s]:
-            e = 0.5 * k[s] * (turn[s] - rest[s]) ** 2
-            e += buckling_force(length, rest[s], k_b[s])[1]
-            e -= buckling_force(turn[s], rest[s], k_b[s])[1]
-        out[kind[s]] += e
+        elif k_b > 0.0 and length < turn:
+            e = 0.5 * k * (turn - rest) ** 2
+            e += buckling_force(length, rest, k_b)[1]
+            e -= buckling_force(turn, rest, k_b)[1]
+        out[spring.kind] += e
 
 
 class Springs:
@@ -162,7 +158,7 @@ class Springs:
 
     Attributes
     ----------
-    table : Table, of which the first `limited` are structural and shear springs
+    table : (s,) SPRING, of which the first `limited` are structural and shear springs
     r : (n, 6) [N], last forces; viscous : (n, 3) [N], the part of damping if there is any
     """
 
@@ -232,7 +228,11 @@ class Springs:
         k_b = np.concatenate([np.zeros(len(k) + len(k_d)), k_b])
         k = np.concatenate([k, k_d, k_f])
         turn = np.array([_turn(*s) for s in zip(rest, k, k_b, strict=True)])
-        self.table = Table(pairs, rest, k, k_b, turn, kind)
+        self.table = np.zeros(len(pairs), SPRING)
+        for name, column in (
+            ("ends", pairs), ("rest", rest), ("k", k), ("k_b", k_b), ("turn", turn), ("kind", kind),
+        ):  # fmt: skip
+            self.table[name] = column
         self.limited = int(sizes[0] + sizes[1])
         self.r, self.viscous = np.zeros((len(points), 6)), np.zeros((len(points), 3))
         self._energy = np.zeros(3)

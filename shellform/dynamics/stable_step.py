@@ -32,7 +32,7 @@ def stable_step(stepper: Any, iterations: int = 30) -> float:
 def largest_eigenvalue(stepper: Any, iterations: int) -> float:
     """Largest eigenvalue omega^2 [1/s^2] of M^-1 K on what supports leave free, from below."""
     comm, w, owned = stepper.shell.comm, stepper.w, stepper.owned
-    held, plane, elastic = stepper.nodes.held, stepper.nodes.plane, stepper.force_model.elastic
+    held, plane, elastic = stepper.held, stepper.nodes["plane"], stepper.force_model.elastic
     root = np.sqrt(np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1))
     cell = stepper.shell.surface.mean_cell_size
     base, d = owned.copy(), owned[:, 3:].copy()

@@ -10,7 +10,7 @@ import meshes
 from shellform import Fabric, Shell
 from shellform.dynamics.books import new_books
 from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.explicit_kernels import Forces, Nodes, book
+from shellform.dynamics.explicit_kernels import NODE, Forces, book
 from shellform.dynamics.part import AppliedForce
 from shellform.errors import Unstable
 
@@ -85,10 +85,10 @@ def test_impulses_are_booked_to_the_last_digits():
     """
     n, steps, force, dt = 500, 2000, np.full((500, 3), 1.962 / 625), 1.72e-4
     v, impulse, books = np.zeros((n, 3)), 3.0 * force, new_books()
-    nodes = Nodes(np.ones(n), np.ones(n), np.zeros((n, 4), bool), np.zeros((n, 3)))
+    nodes = np.zeros(n, NODE)
     forces = Forces(np.zeros((n, 6)), force, impulse)
     for _ in range(steps):
-        book(v, v, v, forces, nodes, 0.0, dt, books)
+        book(v, v, v, *forces, nodes, 0.0, dt, *books)
     for found, one in (
         (books.impulses[0, 0], force[0, 0] * dt),
         (books.impulses[1, 0], impulse[0, 0]),
