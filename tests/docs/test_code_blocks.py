@@ -219,5 +219,18 @@ def test_public_names_stand_in_the_reference(package):
     assert len(names) > 10 and names <= listed
 
 
+def test_messages_of_the_page_of_troubles_are_those_of_the_code():
+    """Pieces of every message between its dots, in sources whose texts are joined over lines."""
+    page = (ROOT / "docs/troubles.md").read_text(encoding="utf-8")
+    messages = re.findall(r"^`([^`\n]+)`[^\n]*\n: ", page.partition("## Messages")[2], re.M)
+    sources = (
+        p for room in ("shellform", "contact", "meshes") for p in ROOT.glob(f"{room}/**/*.py")
+    )
+    code = re.sub(r'"\s+f?"', "", "".join(p.read_text(encoding="utf-8") for p in sources))
+    pieces = [x.strip("'") for m in messages for x in re.split(r"\s*\.\.\.\s*", m) if len(x) > 8]
+    assert len(messages) > 10
+    assert [piece for piece in pieces if piece not in code] == []
+
+
 def test_readme_is_two_screens():
     assert len((ROOT / "README.md").read_bytes()) <= 8192
