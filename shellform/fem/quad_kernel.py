@@ -115,7 +115,7 @@ def add_force(
         M = with_bending_couples(M, on_lines(couple))
 
         scatter_forces(r, nodes, F)
-        scatter_couples(r, nodes, M, across, cell)
+        scatter_couples(r, nodes, M, shear_couples(cell, across))
     return loss
 
 
@@ -213,16 +213,23 @@ def scatter_forces(r: np.ndarray, nodes: np.ndarray, F: SixVectors) -> None:
 
 
 @stage
-def scatter_couples(
-    r: np.ndarray, nodes: np.ndarray, M: SixVectors, across: Four, cell: Segments
-) -> None:
-    """Couples of the segments to the directors of their ends; shear turns both of a side."""
-    M0, M1, M2, M3, M4, M5 = M
+def shear_couples(cell: Segments, across: Four) -> FourVectors:
+    """Couples of the shear forces on the directors: half of each side's at both of its ends."""
     q0, q1, q2, q3 = across
     X0, X1, X2, X3 = cell[0].X, cell[1].X, cell[2].X, cell[3].X
-    half_0, half_1 = mix(0.5 * q0, X0, 0.5 * q2, X2), mix(0.5 * q0, X0, 0.5 * q3, X3)
-    half_2, half_3 = mix(0.5 * q1, X1, 0.5 * q2, X2), mix(0.5 * q1, X1, 0.5 * q3, X3)
-    add_to(r, nodes[0], 3, sub(sub(half_0, M0), add(M2, M5)))
-    add_to(r, nodes[1], 3, add(add(half_1, M0), sub(M4, M3)))
-    add_to(r, nodes[2], 3, add(sub(half_2, M1), sub(M2, M4)))
-    add_to(r, nodes[3], 3, add(add(half_3, M1), add(M3, M5)))
+    return (
+        mix(0.5 * q0, X0, 0.5 * q2, X2),
+        mix(0.5 * q0, X0, 0.5 * q3, X3),
+        mix(0.5 * q1, X1, 0.5 * q2, X2),
+        mix(0.5 * q1, X1, 0.5 * q3, X3),
+    )
+
+
+@stage
+def scatter_couples(r: np.ndarray, nodes: np.ndarray, M: SixVectors, half: FourVectors) -> None:
+    """Couples of the segments to the directors of their ends, with those of shear."""
+    M0, M1, M2, M3, M4, M5 = M
+    add_to(r, nodes[0], 3, sub(sub(half[0], M0), add(M2, M5)))
+    add_to(r, nodes[1], 3, add(add(half[1], M0), sub(M4, M3)))
+    add_to(r, nodes[2], 3, add(sub(half[2], M1), sub(M2, M4)))
+    add_to(r, nodes[3], 3, add(add(half[3], M1), add(M3, M5)))
