@@ -15,26 +15,25 @@ chord membrane under folds across the mesh; uniform 2x2 leaves 9-node quads four
 FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silently; so terms are
 grouped by rule and every rule becomes a form of its own.
 
-A law that is not quadratic in a strain gives the density of that strain's Term. Where a quadratic
-energy is shared out over several rules, or couples strains, it stays, and what the law has beyond
-it is added at 2x2 Gauss points: modes that these do not see are held by the quadratic part.
+A law that is not quadratic in a strain gives the density of that strain's Term (terms.py). Where a
+quadratic energy is shared out over several rules, or couples strains, it stays, and what the law
+has beyond it is added at 2x2 Gauss points: modes that these do not see are held by the quadratic
+part.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 import ufl
-from ufl.algorithms import expand_derivatives
 
 from meshes import Surface
-from shellform.material.energy import StVenant, is_quadratic, quadratic
+from shellform.material.energy import StVenant
 from shellform.material.sheet import Sheet
 
 from . import strains
 from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_nodes, given_cells, vector_space
+from .terms import Densities, Term, stacked, stacked_product
 
 Pairs = tuple[tuple[float, float], ...]  # points and weights on [0, 1]
 
@@ -74,48 +73,6 @@ def measure(mesh: Mesh, rule: str) -> ufl.Measure:
         "quadrature_degree": 1,
     }
     return ufl.Measure("dx", domain=mesh, metadata=metadata)
-
-
-@dataclass(frozen=True)
-class Term:
-    """One addend of the strain energy per area, at one rule.
-
-    Attributes
-    ----------
-    name : kind of strain
-    strain : maps a configuration to a UFL vector
-    product : symmetric bilinear form of the stiffness at rest; None: none of its own
-    rule : one of RULES
-    density : maps a strain to its energy; None: product(strain, strain)/2
-    """
-
-    name: str
-    strain: Callable
-    product: Any  # a Callable, or None where `density` is all there is
-    rule: str
-    density: Callable | None = None
-
-    def energy(self, strain: Expr) -> Expr:
-        """psi, energy per area [J/m^2] at a strain."""
-        if self.density is None:
-            return 0.5 * self.product(strain, strain)
-        return self.density(strain)
-
-    def stress_work(self, strain: Expr, virtual: Expr) -> Expr:
-        """psi' . virtual: the work of the stress at `strain`."""
-        if self.density is None:
-            return self.product(strain, virtual)
-        strain = ufl.variable(strain)
-        return ufl.dot(expand_derivatives(ufl.diff(self.density(strain), strain)), virtual)
-
-    def stiffness_work(self, strain: Expr, change: Expr, virtual: Expr) -> Expr:
-        """change . psi'' . virtual: that of the stress that a change of strain adds."""
-        if self.density is None:
-            return self.product(change, virtual)
-        strain = ufl.variable(strain)
-        stress = ufl.diff(self.density(strain), strain)
-        tangent = expand_derivatives(ufl.diff(stress, strain))
-        return ufl.dot(ufl.dot(tangent, change), virtual)
 
 
 def energy_terms(
@@ -182,39 +139,6 @@ def energy_terms(
     ]
 
 
-@dataclass(frozen=True)
-class Densities:
-    """Energies of a law as functions of strains in element axes.
-
-    `V`, `M` take those of three and of two components to warp and weft; `stiffness` of the fabric
-    by name of the strain.
-    """
-
-    law: StVenant
-    V: Expr
-    M: Expr
-    stiffness: dict[str, Constant]
-
-    def whole(self, strain: str, scale: Expr | float = 1) -> Callable | None:
-        """Density of a strain times a scale; None where the law is quadratic in it."""
-        if is_quadratic(self.law, strain):
-            return None
-        density, stiffness = getattr(self.law, strain), self.stiffness[strain]
-        axes = self.M if strain == "shear" else self.V
-        return lambda e: scale * density(axes * e, stiffness)
-
-    def beyond(
-        self, strain: str, name: str, measure: Callable, rule: str, scale: Expr | float = 1
-    ) -> list[Term]:
-        """Term of what the law stores in a strain beyond the quadratic energy; none if nothing."""
-        whole = self.whole(strain, scale)
-        if whole is None:
-            return []
-        stiffness, axes = self.stiffness[strain], self.M if strain == "shear" else self.V
-        rest = lambda e: whole(e) - scale * quadratic(axes * e, stiffness)  # noqa: E731
-        return [Term(name, measure, None, rule, rest)]
-
-
 def _nine_nodes(V, M, stiffness, cap, thick, of_law):
     A, b, D, E, F, S = stiffness
     C = ufl.dot(ufl.transpose(V), ufl.dot(A, V))
@@ -246,33 +170,6 @@ def _nine_nodes(V, M, stiffness, cap, thick, of_law):
     else:
         return terms
     return [*terms, Term("coupling", stacked(measures), stacked_product(V, blocks), "gauss2")]
-
-
-def stacked(measures: list[Callable]) -> Callable:
-    """Several strain measures in one vector of 3 components each."""
-
-    def strain(configuration):
-        parts = [m(configuration) for m in measures]
-        return ufl.as_vector([p[k] for p in parts for k in range(3)])
-
-    return strain
-
-
-def stacked_product(V: Expr, blocks: list[list]) -> Callable:
-    """Product sum_ij p_i . C_ij q_j in lamina axes; None for an absent block."""
-
-    def part(strain, i):
-        return V * ufl.as_vector([strain[3 * i + k] for k in range(3)])
-
-    def product(p, q):
-        return sum(
-            ufl.dot(part(p, i), C * part(q, j))
-            for i, row in enumerate(blocks)
-            for j, C in enumerate(row)
-            if C is not None
-        )
-
-    return product
 
 
 def warp_field(mesh: Mesh, warp: np.ndarray | None) -> Expr:

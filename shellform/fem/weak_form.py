@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The weak form of a shell: energy, virtual work, tangent, damping, pressure: Eqs. 11, 13, 14.
 
-All follow from the strains e(w) of the Terms of an element (element.py), w = (u, d):
+All follow from the strains e(w) of the Terms of an element (terms.py), w = (u, d):
 
     energy          sum over terms of psi(e(w) - e(w0)), w0 the sheet at rest
     virtual work    psi'(e(w) - e(w0)) . e'(w) v
@@ -19,8 +19,9 @@ import ufl
 from ufl.algorithms import expand_derivatives
 
 from .dolfinx_compat import Constant, Expr, Function, Mesh
-from .element import Term, measure
+from .element import measure
 from .strains import Configuration, configuration
+from .terms import Term
 
 PRESSURE_RULES = {3: "vertices", 4: "gauss2", 9: "gauss3"}  # by nodes of the cell
 

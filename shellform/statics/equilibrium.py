@@ -23,6 +23,7 @@ from shellform.fem import director
 from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.shell import Linearised, Shell
 
+from .roundoff import Roundoff
 from .tangent_map import TangentMap
 
 State = tuple[np.ndarray, np.ndarray]  # of nodes: (u, d) (n, 6) and the frames (n, 3, 2)
@@ -81,6 +82,7 @@ class Equilibrium:
         self.T = director.tangent_frames(self._w()[:, 3:], supports.plane)
         self.K6 = shell.create_tangent()
         self.P = TangentMap(shell, self.length)
+        self._roundoff = Roundoff(partition, shell.comm)
         self.K: PETSc.Mat = None  # made with the first tangent
         self.goal = np.zeros((self.n, 5))
         self.has_goal = bool(supports.motions) and bool(shell.comm.allreduce(len(supports.motions)))
@@ -242,53 +244,16 @@ class Equilibrium:
         return loads, reactions
 
     def roundoff(self) -> float:
-        """Norm of the residual [N] that roundoff of the membrane strain alone can make.
-
-        Strains are differences of numbers of order one, and of displacements over the shorter
-        side h of a cell: they carry an error eps (1 + u/h), their force A l times that, with the
-        longer side l.
-        """
-        w = self._w()[: self.n_owned, :3]
-        largest = self.shell.comm.allreduce(np.abs(w).max(initial=0.0), op=MPI.MAX)
-        longer, ratio = self._sides
-        size = longer + ratio * largest
-        points = self.shell.partition.surface.points
-        return np.finfo(float).eps * self.stiffness * size * np.sqrt(len(points))
+        """Norm of the residual [N] that roundoff can make here, estimated: see roundoff.py."""
+        return self._roundoff.estimated(self._w()[: self.n_owned, :3], self.stiffness)
 
     def measured_roundoff(self) -> float:
-        """Norm of the internal forces [N] that roundoff makes here, measured; 4 assemblies.
+        """Norm of the residual [N] that roundoff makes here, measured by 4 assemblies."""
 
-        A sheet turned as a whole has turned forces. What differs is roundoff, of these cells and
-        corners, this compiler and this processor. The turn moves a point by the largest
-        displacement, whose last digit the unknowns carry anyway, or by the shorter side of a cell.
-        The largest of three turns: equal cells can be rounded alike by luck.
-        """
-        w, here, partition = self._w(), self._w().copy(), self.shell.partition
-        largest = self.shell.comm.allreduce(np.abs(w[:, :3]).max(initial=0.0), op=MPI.MAX)
-        longer, ratio = self._sides
-        points = partition.surface.points - partition.origin
-        radius = np.linalg.norm(points, axis=1).max()
-        angle = min(1.0, max(largest, longer / ratio) / radius)
-        places = points[partition.nodes] + here[:, :3]
-        forces, differences = self._internal().copy(), []
-        for axis in ((0.6, 0.64, 0.48), (0.48, -0.6, 0.64), (0.64, 0.48, -0.6)):
-            turn = director.rotation_matrix(angle * np.array(axis))
-            w[:, :3] = here[:, :3] + places @ (turn - np.eye(3)).T
-            w[:, 3:] = here[:, 3:] @ turn.T
-            change = (self._internal().reshape(-1, 3) @ turn).reshape(-1, 6) - forces
-            change = np.where(self.held[: self.n_owned], 0.0, self._pull_back(change))
-            differences.append(np.sum(change**2))
-        w[:] = here
-        return float(np.sqrt(self.shell.comm.allreduce(np.array(differences)).max()))
+        def on_free_unknowns(r6):
+            return np.where(self.held[: self.n_owned], 0.0, self._pull_back(r6))
 
-    @functools.cached_property
-    def _sides(self):
-        """Means over the cells of the longer side [m] and of its ratio to area over it."""
-        surface = self.shell.partition.surface
-        corners = surface.points[surface.cells[:, : 3 if surface.cells.shape[1] == 3 else 4]]
-        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-        slender = np.maximum(1.0, sides**2 / surface.cell_areas)
-        return max(float(sides.mean()), surface.mean_cell_size), float(slender.mean())
+        return self._roundoff.measured(self._w(), self._internal, on_free_unknowns)
 
     def forces(self, stress_from: Linearised | None = None) -> np.ndarray:
         """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""

@@ -6,7 +6,7 @@ any fixed tolerance of the loads. A solve has converged when the residual is sma
 loads, or no larger than that roundoff. Roundoff is first estimated from sizes, which costs nothing
 and knows no corners: cells that lean, or are long and narrow, make up to a thousand times more of
 it. Where the updates have become nothing and the residual is above the estimate, roundoff is
-measured (`Equilibrium.measured_roundoff`).
+measured (roundoff.py).
 
 Options carry a prefix; what the user sets on the command line or in PETSC_OPTIONS wins.
 """
