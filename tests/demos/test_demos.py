@@ -102,7 +102,7 @@ def blocks():
 def test_scripts_of_the_readme(number, ranks, tmp_path):
     script = tmp_path / "script.py"
     script.write_text(blocks()[number])
-    done = run(script, ranks=ranks)
+    done = run(script, ranks=ranks, cwd=tmp_path)  # what they write stays there
     assert done.returncode == 0, done.stderr
     assert done.stdout
 
