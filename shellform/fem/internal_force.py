@@ -29,8 +29,7 @@ from .dolfinx_compat import (
     pack_coefficients,
     pack_constants,
 )
-from .quad_kernel import add_force
-from .quad_reference import baked
+from .quad_kernel import add_force, baked
 from .shell import Shell
 
 # without NaN or infinity assumed away: a step that explodes must be seen to

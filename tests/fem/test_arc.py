@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from shellform.fem import quad_bending, quad_membrane
+from shellform.fem import quad_kernel_parts
 from shellform.fem.arc import arc_lengths, half_length_squared, turning
 
 
@@ -37,6 +37,6 @@ def test_turning_of_a_circular_arc():
 def test_compiled_twins(seed):
     X, D = np.random.default_rng(seed).standard_normal((2, 3))
     b, c = float(X @ D), float(D @ D)
-    twin = quad_membrane.half_length_squared(tuple(X), b, c)
+    twin = quad_kernel_parts.half_length_squared(tuple(X), b, c)
     assert twin == pytest.approx(half_length_squared(X @ X, b, c), rel=1e-13)
-    assert quad_bending.turning(b, c) == pytest.approx(turning(b, c), rel=1e-13)
+    assert quad_kernel_parts.turning(b, c) == pytest.approx(turning(b, c), rel=1e-13)
