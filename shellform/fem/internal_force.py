@@ -73,6 +73,8 @@ class InternalForce:
             forms, self._quads = [], self._bake()
         else:
             forms = self._strain_forms()
+        # of quads that the kernel does not know
+        self._membrane = None if self._quads is not None else shell.cell_membrane
         self._pressure = None
         if shell.loads.pressures:
             self._pressure = Constant(shell.mesh, 0.0)
@@ -174,6 +176,13 @@ class InternalForce:
             assemble_packed(self._part.ravel(), form, constants, coefficients)
             self.loss += np.vdot(self._part, ahead - w)
             self.r += self._part
+        if self._membrane is not None:
+            self._membrane.add_force(flat, w)
+            if damped:
+                self._part[:] = 0.0
+                self._membrane.add_damping(self._part.ravel(), w, ahead - w)
+                self.loss += np.vdot(self._part, ahead - w)
+                self.r += self._part
         if self._parallel:
             add_ghosts(self._result)
         return self.r
