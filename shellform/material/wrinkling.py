@@ -117,9 +117,7 @@ def relax(
         n[1] -= cost
         stored, shortened = 0.0, 0.0
         for i in range(3):
-            elastic = (
-                compliance[i, 0] * n[0] + compliance[i, 1] * n[1] + compliance[i, 2] * n[2]
-            )
+            elastic = compliance[i, 0] * n[0] + compliance[i, 1] * n[1] + compliance[i, 2] * n[2]
             stored += 0.5 * n[i] * elastic
             if i < 2:
                 shortened += elastic - E[m, i]
