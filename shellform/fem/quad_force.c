@@ -46,15 +46,18 @@ typedef struct { vector3 force, couple; } load;          /* conjugate to x and d
 enum { SHEAR = 12, BENDING = 24, REST = 12 };            /* shared by both membranes */
 enum { STIFFNESS = 21, LENGTHS = 6 };                    /* resolved membrane */
 enum { STRAIN = 18, MODES = 12, AREA = 1, CHORDS = 6, ARCS = 6 }; /* relaxed membrane */
-enum { SAMPLES = 24, NEWTON = 8 };
+enum { SAMPLES = 28, NEWTON = 6 };
 
-/* The fabric, one in the whole sheet: see taut_fibres.py. */
+/* The fabric, one in the whole sheet: see taut_fibres.py. Fibres at an angle theta are
+   v = (cos^2, sin^2, cos sin). */
 struct fabric {
-    double stiffness[6];                /* C, upper triangle [N/m] */
-    double shift[3];                    /* C^-1 (1, 1, 0) [m/N] */
-    double compliance[5];               /* v.C^-1.v = q0 + q1 cos + q2 sin + q3 cos 2 + q4 sin 2 */
-    double cosine[SAMPLES], sine[SAMPLES], weight[SAMPLES]; /* of sampled 2 theta; 1/(v.C^-1.v) */
-    double below[SAMPLES], above[SAMPLES]; /* tan of half the way to the neighbours, below < 0 */
+    double stiffness[6];                 /* C, upper triangle [N/m] */
+    double shift[3];                     /* C^-1 (1, 1, 0) [m/N] */
+    double compliance[5];                /* v.C^-1.v = sum of q_k tan^k over (1 + tan^2)^2 [m/N] */
+    double mean[SAMPLES], half[SAMPLES], shear[SAMPLES]; /* (1, cos 2 theta, sin 2 theta) over
+                                                            the root of v.C^-1.v */
+    double weft[SAMPLES];                /* 1 if nearer the weft, angles being counted from there */
+    double at[SAMPLES], low[SAMPLES], high[SAMPLES]; /* tan of the angle, of the neighbours' */
 };
 
 int lanes(void) { return W; }
@@ -83,6 +86,16 @@ INLINE int any(mask m)
     long long found = 0;
     for (int l = 0; l < W; l++) found |= m[l];
     return found != 0;
+}
+/* numbers given cell by cell */
+INLINE vector given(const double *numbers, int width, ptrdiff_t first, ptrdiff_t count)
+{
+    vector t;
+    for (int l = 0; l < W; l++) {
+        ptrdiff_t cell = first + l < count ? first + l : count - 1;
+        t[l] = numbers[width * cell];
+    }
+    return t;
 }
 /* y += upper triangle of a symmetric matrix times x */
 INLINE void symmetric(int n, const vector *matrix, const vector *x, vector *y)
@@ -151,60 +164,62 @@ INLINE load near_far(double s, load a, double t, load b)
 /* ------------------------------------------------------------------ relaxed membrane */
 
 /* Stress of a wrinkled cell without cost: the energy is the largest (v.e)_+^2/(2 v.C^-1.v) over
-   v = (cos^2, sin^2, cos sin) of the angle theta of the taut fibres, the stress (v.e)_+/(v.C^-1.v) v.
-   With 2 theta: v.e = mean + half cos + shear sin. Several maxima: the best of many samples, then
-   Newton for the root of (v.e)' 2 (v.C^-1.v) - (v.e) (v.C^-1.v)', held between its neighbours. */
+   the angle theta of the taut fibres, the stress (v.e)_+/(v.C^-1.v) v. There are several maxima: the
+   best of many samples is refined. With t the tangent from the nearer yarn, v.e is P(t) and
+   v.C^-1.v is Q(t), over powers of 1 + t^2; the maximum is a root of F = 2 P' Q - P Q', of fourth
+   degree, which Newton steps find between the neighbours of the sample. */
 INLINE void uniaxial(const struct fabric *f, const vector *e, vector *stress)
 {
     vector mean = 0.5 * (e[0] + e[1]), half = 0.5 * (e[0] - e[1]), shear = 0.5 * e[2];
-    const double *q = f->compliance;
-    vector best = all(-1.0);
+    vector best = {};
     mask chosen = {};
-    for (int j = 0; j < SAMPLES; j++) {
-        vector along = mean + half * f->cosine[j] + shear * f->sine[j];
-        vector gain = where(along > 0.0, along * along * f->weight[j], all(0.0));
+    for (int j = 0; j < SAMPLES; j++) { /* root of the energy */
+        vector gain = mean * f->mean[j] + half * f->half[j] + shear * f->shear[j];
         mask better = gain > best;
         best = where(better, gain, best);
         chosen = (better & j) | (~better & chosen);
     }
-    vector cosine, sine, low, high;
+    vector start, low, high, side;
     for (int l = 0; l < W; l++) {
         ptrdiff_t j = chosen[l];
-        cosine[l] = f->cosine[j], sine[l] = f->sine[j];
-        low[l] = f->below[j], high[l] = f->above[j];
+        start[l] = f->at[j], low[l] = f->low[j], high[l] = f->high[j], side[l] = f->weft[j];
     }
-    /* the axis of the largest strain, where hardly any fibre is taut */
-    vector root, square = half * half + shear * shear;
+    mask weft = side > 0.0;
+    /* the axis of the largest strain: the only one where hardly any fibre is taut */
+    const double *q = f->compliance;
+    vector square = half * half + shear * shear, root;
     for (int l = 0; l < W; l++) root[l] = __builtin_sqrt(square[l]);
-    vector c = half / root, s = shear / root, along = mean + root;
-    vector at = q[0] + q[1] * c + q[2] * s + q[3] * (c * c - s * s) + q[4] * (2.0 * c * s);
-    mask better = (along > 0.0) & (along * along > best * at);
-    cosine = where(better, c, cosine), sine = where(better, s, sine);
-    low = where(better, all(-0.5), low), high = where(better, all(0.5), high);
+    mask nearer = half < 0.0;
+    vector t = shear / (root + where(nearer, -half, half)), P = (mean + root) * (1.0 + t * t);
+    vector q0 = where(nearer, all(q[4]), all(q[0])), q1 = where(nearer, all(q[3]), all(q[1]));
+    vector q4 = (q[0] + q[4]) - q0, q3 = (q[1] + q[3]) - q1;
+    vector Q = q0 + t * (q1 + t * (q[2] + t * (q3 + t * q4)));
+    mask better = (P > 0.0) & (P * P > best * best * Q);
+    weft = (better & nearer) | (~better & weft);
+    start = where(better, t, start);
+    low = where(better, t - 0.5, low), high = where(better, t + 0.5, high);
 
-    vector t = {}; /* tan of half the way from the sample, in 2 theta */
-    for (int step = 0; step <= NEWTON; step++) {
-        vector stretch = 1.0 + t * t, cc = (1.0 - t * t) / stretch, ss = 2.0 * t / stretch;
-        c = cc * cosine - ss * sine, s = cc * sine + ss * cosine;
-        vector c2 = c * c - s * s, s2 = 2.0 * c * s;
-        vector first = half * c + shear * s, third = q[1] * c + q[2] * s;
-        vector fourth = q[3] * c2 + q[4] * s2;
-        along = mean + first;
-        at = q[0] + third + fourth;
-        if (step == NEWTON) break;
-        vector slope = shear * c - half * s;
-        vector at_slope = q[2] * c - q[1] * s + 2.0 * (q[4] * c2 - q[3] * s2);
-        vector wrong = 2.0 * slope * at - along * at_slope;
-        vector wrong_slope = slope * at_slope - 2.0 * first * at + along * (third + 4.0 * fourth);
-        mask taut = along > 0.0, rises = (taut & (wrong > 0.0)) | (~taut & (slope > 0.0));
+    vector a = where(weft, e[1], e[0]), b = e[2], c = where(weft, e[0], e[1]);
+    q0 = where(weft, all(q[4]), all(q[0])), q1 = where(weft, all(q[3]), all(q[1]));
+    q4 = (q[0] + q[4]) - q0, q3 = (q[1] + q[3]) - q1;
+    vector F0 = 2.0 * b * q0 - a * q1, F1 = b * q1 + 4.0 * c * q0 - 2.0 * a * q[2];
+    vector F2 = 3.0 * (c * q1 - a * q3), F3 = 2.0 * c * q[2] - 4.0 * a * q4 - b * q3;
+    vector F4 = c * q3 - 2.0 * b * q4;
+    t = start;
+    for (int step = 0; step < NEWTON; step++) {
+        vector F = F0 + t * (F1 + t * (F2 + t * (F3 + t * F4)));
+        vector slope = F1 + t * (2.0 * F2 + t * (3.0 * F3 + t * (4.0 * F4)));
+        vector next = t - F / slope;
+        mask taut = a + t * (b + t * c) > 0.0;
+        mask rises = (taut & (F > 0.0)) | (~taut & (t < start));
         low = where(rises, t, low), high = where(rises, high, t);
-        vector next = t - wrong * stretch / (2.0 * wrong_slope);
-        mask inside = taut & (wrong_slope < 0.0) & (next >= low) & (next <= high);
+        mask inside = taut & (slope < 0.0) & (next >= low) & (next <= high);
         t = where(inside, next, 0.5 * (low + high));
     }
-    vector pull = where(along < 0.0, all(0.0), along / at);
-    stress[0] = pull * 0.5 * (1.0 + c), stress[1] = pull * 0.5 * (1.0 - c);
-    stress[2] = pull * 0.5 * s;
+    P = a + t * (b + t * c), Q = q0 + t * (q1 + t * (q[2] + t * (q3 + t * q4)));
+    vector along = where(P < 0.0, all(0.0), P / Q), across = along * t * t;
+    stress[0] = where(weft, across, along), stress[1] = where(weft, along, across);
+    stress[2] = along * t;
 }
 
 INLINE void elastic(const struct fabric *f, const vector *e, vector *n)
@@ -233,6 +248,19 @@ INLINE void relaxed(const struct fabric *f, const vector *strain, vector cost, v
         UNROLL for (int k = 0; k < 3; k++) n[k] = where(taut, n[k], wrinkled[k]);
     }
     n[0] -= cost, n[1] -= cost;
+}
+
+/* the same for strains (count, 3) one by one */
+void relax(ptrdiff_t count, const struct fabric *fabric, const double *strain, const double *cost,
+           double *stress)
+{
+    for (ptrdiff_t first = 0; first < count; first += W) {
+        vector e[3], n[3];
+        UNROLL for (int k = 0; k < 3; k++) e[k] = given(strain + k, 3, first, count);
+        relaxed(fabric, e, given(cost, 1, first, count), n);
+        for (int l = 0; l < W && first + l < count; l++)
+            for (int k = 0; k < 3; k++) stress[3 * (first + l) + k] = n[k][l];
+    }
 }
 
 /* ------------------------------------------------------------------ cells */
@@ -283,56 +311,44 @@ INLINE void scatter(const int *cells, const vector3 *force, const vector3 *coupl
             UNROLL for (int k = 0; k < 6; k++) to[k] += t[a][k][l];
         }
 }
-/* fetch the numbers of the next block while this one is worked on */
-INLINE void ahead_of(const vector *numbers, int width)
+/* have numbers at hand when the next block is worked on */
+INLINE void prefetch(const vector *numbers, int width)
 {
-    const char *next = (const char *)(numbers + width);
-    for (size_t at = 0; at < width * sizeof(vector); at += 64) __builtin_prefetch(next + at);
+    UNROLL for (size_t at = 0; at < width * sizeof(vector); at += 64)
+        __builtin_prefetch((const char *)numbers + at);
 }
-/* numbers given cell by cell */
-INLINE vector given(const double *numbers, int width, ptrdiff_t first, ptrdiff_t count)
-{
-    vector t;
-    for (int l = 0; l < W; l++) {
-        ptrdiff_t cell = first + l < count ? first + l : count - 1;
-        t[l] = numbers[width * cell];
-    }
-    return t;
-}
-
 /* Add the internal forces of all cells to r (n, 6) [N, N m], see quad_force.py.
 
    count: of cells; cells (blocks, 4, W); points (n, 3) [m]
-   shell (blocks, SHEAR + BENDING + REST, W)
-   membrane (blocks, STIFFNESS + LENGTHS, W), or (blocks, STRAIN + ... + ARCS, W) of a relaxed one
+   numbers (blocks, SHEAR + BENDING + REST + membrane, W)
    fabric: of the relaxed membrane; null: resolved
    w, ahead (n, 6): (u, d), and w plus its rates times the time of damping; null: undamped
    cost [N/m], arcs (count,): of the relaxed membrane
    frozen (count, 3) [N/m]: if not null, stress that relaxation adds to that of the taut sheet,
        written if `freeze`, else taken in place of relaxation
    Returns twice what the rates would store as strains [J]. */
-double add_forces(ptrdiff_t count, const int *nodes, const double *points, const double *shell,
-                  const double *numbers, const struct fabric *fabric, const double *w,
-                  const double *ahead, const double *cost, const double *arcs, double *frozen,
-                  int freeze, double *r)
+double add_forces(ptrdiff_t count, const int *nodes, const double *points, const double *numbers,
+                  const struct fabric *fabric, const double *w, const double *ahead,
+                  const double *cost, const double *arcs, double *frozen, int freeze, double *r)
 {
-    const int width = fabric ? STRAIN + MODES + AREA + CHORDS + ARCS : STIFFNESS + LENGTHS;
+    const int width = SHEAR + BENDING + REST
+                      + (fabric ? STRAIN + MODES + AREA + CHORDS + ARCS : STIFFNESS + LENGTHS);
     double lost = 0.0;
     for (ptrdiff_t first = 0, block = 0; first < count; first += W, block++) {
         const int *cells = nodes + 4 * W * block;
-        const vector *membrane = (const vector *)numbers + width * block;
-        const vector *shear = (const vector *)shell + (SHEAR + BENDING + REST) * block;
-        const vector *bending = shear + SHEAR, *rest = bending + BENDING;
-        ahead_of(shear, SHEAR + BENDING + REST), ahead_of(membrane, width);
+        const vector *shear = (const vector *)numbers + width * block, *next = shear + width;
+        const vector *bending = shear + SHEAR, *rest = bending + BENDING, *membrane = rest + REST;
         vector3 x[4], d[4], xs[6], ds[6], middle[4], xl[4], dl[4];
         pair segment[6], line[4];
         vector s[6], y[4], k[4], twist[4], loss = {};
         vector weight = fabric ? given(arcs, 1, first, count) : all(1.0);
 
         /* strains: of segments, shear of sides, curvature of lines, twist where they cross */
+        prefetch(next + 0 * width / 6, (width + 5) / 6);
         gather(cells, points, w, x, d);
         differences(x, xs), differences(d, ds);
         middles(d, middle), lines_of(xs, xl), lines_of(ds, dl);
+        prefetch(next + 1 * width / 6, (width + 5) / 6);
         UNROLL for (int i = 0; i < 6; i++) {
             const vector *lengths = membrane + (fabric ? STRAIN + MODES + AREA : STIFFNESS);
             segment[i] = measured(xs[i], ds[i]);
@@ -344,6 +360,7 @@ double add_forces(ptrdiff_t count, const int *nodes, const double *points, const
             line[i] = measured(xl[i], dl[i]);
             k[i] = turning(line[i]) - rest[4 + i];
         }
+        prefetch(next + 2 * width / 6, (width + 5) / 6);
         UNROLL for (int p = 0; p < 4; p++) {
             pair sum, difference;
             diagonals(line[p / 2], line[2 + p % 2], &sum, &difference);
@@ -384,6 +401,7 @@ double add_forces(ptrdiff_t count, const int *nodes, const double *points, const
             UNROLL for (int i = 0; i < 4; i++) loss += load_of[i] * y_rate[i];
         }
 
+        prefetch(next + 3 * width / 6, (width + 5) / 6);
         /* pulls of the segments */
         vector pull[6] = {};
         if (!fabric) {
@@ -440,6 +458,7 @@ double add_forces(ptrdiff_t count, const int *nodes, const double *points, const
         if (ahead)
             for (int l = 0; l < W; l++) lost += loss[l];
 
+        prefetch(next + 4 * width / 6, (width + 5) / 6);
         /* loads of the segments: pulls, shear of the sides, bending and twisting moments */
         vector side[4] = {}, along[4] = {};
         load on[6], bend[4] = {};
@@ -463,6 +482,7 @@ double add_forces(ptrdiff_t count, const int *nodes, const double *points, const
             bend[i] = with(bend[i], turned(along[i], line[i]));
             on[i].force = plus(on[i].force, side[i], middle[i]);
         }
+        prefetch(next + 5 * width / 6, (width + 5) / 6);
         UNROLL for (int i = 0; i < 4; i += 2) {
             on[i] = with(on[i], near_far(NEAR, bend[i], FAR, bend[i + 1]));
             on[i + 1] = with(on[i + 1], near_far(FAR, bend[i], NEAR, bend[i + 1]));

@@ -20,10 +20,11 @@ from .taut_fibres import table
 SOURCE = Path(__file__).with_name("quad_force.c")
 DECLARATIONS = """
 int lanes(void);
-double add_forces(ptrdiff_t count, const int *nodes, const double *points, const double *shell,
-                  const double *numbers, const double *fabric, const double *w,
-                  const double *ahead, const double *cost, const double *arcs, double *frozen,
-                  int freeze, double *r);
+void relax(ptrdiff_t count, const double *fabric, const double *strain, const double *cost,
+           double *stress);
+double add_forces(ptrdiff_t count, const int *nodes, const double *points, const double *numbers,
+                  const double *fabric, const double *w, const double *ahead,
+                  const double *cost, const double *arcs, double *frozen, int freeze, double *r);
 """
 ALIGNED = 64  # bytes, of the largest vector
 
@@ -59,17 +60,15 @@ class QuadForce:
         self._ffi, self._library = library(SOURCE, DECLARATIONS)
         width = self._library.lanes()
         self.count, self.nodes, self.relaxed = len(cells), len(points), relaxed
-        rest = at_rest(points, directors, cells, warp, fabric, relaxed)
         padded = np.concatenate([cells, np.repeat(cells[-1:], -len(cells) % width, axis=0)])
         blocks = padded.reshape(-1, width, 4).transpose(0, 2, 1)
         self._none = self._ffi.NULL
         self.arrays = [
             np.ascontiguousarray(blocks, np.int32),
             np.ascontiguousarray(points, float),
-            in_blocks(rest.shell, width),
-            in_blocks(rest.membrane, width),
+            in_blocks(at_rest(points, directors, cells, warp, fabric, relaxed), width),
         ]
-        kinds = ["int[]", *["double[]"] * 3]
+        kinds = ["int[]", *["double[]"] * 2]
         self._fixed = [self._ffi.from_buffer(k, a) for k, a in zip(kinds, self.arrays, strict=True)]
         self._fixed.append(self._pointer(table(fabric.membrane)) if relaxed else self._none)
 
@@ -117,6 +116,21 @@ class QuadForce:
         if nodes is not None and array.shape != (nodes, 6):
             raise ValueError(f"fields of {nodes} nodes are ({nodes}, 6), not {array.shape}")
         return self._ffi.from_buffer("double[]", np.ascontiguousarray(array, float))
+
+
+def relaxed_stress(membrane: np.ndarray, strain: np.ndarray, cost: np.ndarray) -> np.ndarray:
+    """Stress (m, 3) [N/m] of a membrane relaxed by wrinkles.
+
+    Parameters
+    ----------
+    membrane : (3, 3), stiffness C [N/m]
+    strain : (m, 3), (E11, E22, 2 E12); cost : (m,), of wrinkles [N/m]
+    """
+    ffi, code = library(SOURCE, DECLARATIONS)
+    stress = np.zeros((len(strain), 3))
+    given = [np.ascontiguousarray(a, float) for a in (table(membrane), strain, cost)]
+    code.relax(len(strain), *(ffi.from_buffer("double[]", a) for a in [*given, stress]))
+    return stress
 
 
 def in_blocks(numbers: np.ndarray, width: int) -> np.ndarray:

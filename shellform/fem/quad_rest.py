@@ -4,8 +4,6 @@
 Numbers of a cell as quad_force.c reads them; it says what lies where in a cell.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from shellform.material.sheet import Sheet
@@ -19,17 +17,6 @@ LINE = np.array([p for p, _ in GAUSS2])
 TRIANGLE, PAIR = np.triu_indices(3), np.triu_indices(2)
 
 
-class Rest(NamedTuple):
-    """shell : (m, 48), transverse shear at the corners (12), bending at the Gauss points (24), and
-    the strains at rest: shear of 4 sides, 4 curvatures, 4 twists
-    membrane : (m, 27), matrix of the six lengths as upper triangle (21) and their values at rest;
-    if relaxed (m, 43): strain (18), modes (12), area, chords and arcs at rest (6 + 6)
-    """
-
-    shell: np.ndarray
-    membrane: np.ndarray
-
-
 def at_rest(
     points: np.ndarray,
     directors: np.ndarray,
@@ -37,7 +24,7 @@ def at_rest(
     warp: np.ndarray | None,
     fabric: Sheet,
     relaxed: bool = False,
-) -> Rest:
+) -> np.ndarray:
     """Numbers of the cells of a sheet.
 
     Parameters
@@ -45,22 +32,30 @@ def at_rest(
     points, directors : (n, 3), reference state; cells : (m, 4) in tensor order
     warp : (3,), (m, 3) or None
     relaxed : bool, for the membrane relaxed by wrinkles
+
+    Returns
+    -------
+    (m, 75), or (m, 91) if relaxed: transverse shear at the corners (12), bending at the Gauss
+    points (24), the strains at rest, shear of 4 sides, 4 curvatures, 4 twists; of the membrane the
+    matrix of the six lengths (21) and their values at rest; if relaxed strain (18), modes (12),
+    area, chords and arcs at rest (6 + 6). Symmetric matrices are upper triangles.
     """
     X, D = points[cells], directors[cells]
     dx, dd = (a[:, SECOND] - a[:, FIRST] for a in (X, D))
     shear, bending = _stiffness(X, warp, fabric)
-    shell = [shear, bending, *_shear_and_curvature(dx, dd, D)]
+    parts = [shear, bending, *_shear_and_curvature(dx, dd, D)]
     B, modes, area = six_lengths(X, warp, fabric.membrane)
     measures = _dot(dx, dx), _dot(dx, dd), _dot(dd, dd)
     lengths = half_length_squared(*measures)
     if relaxed:
         chords = 0.5 * measures[0]
-        parts = [B.reshape(-1, 18), modes.reshape(-1, 12), area[:, None], chords, lengths - chords]
+        parts += [B.reshape(-1, 18), modes.reshape(-1, 12), area[:, None]]
+        parts += [chords, lengths - chords]
     else:
         matrix = np.einsum("mki,kl,mlj,m->mij", B, fabric.membrane, B, area)
         matrix += np.einsum("mki,mkj->mij", modes, modes)
-        parts = [matrix[:, *np.triu_indices(6)], lengths]
-    return Rest(np.concatenate(shell, axis=1), np.concatenate(parts, axis=1))
+        parts += [matrix[:, *np.triu_indices(6)], lengths]
+    return np.concatenate(parts, axis=1)
 
 
 def _dot(a, b):
