@@ -83,6 +83,7 @@ def gait_initiation(
         recording.source,
         (*recording.notes, f"{seconds:g} s from standing into the first frame put before it"),
         recording.facts,
+        count,
     )
 
 
