@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from .results.ledger import Ledger
     from .scene.scene import Scene
     from .simulation.check import check
-    from .simulation.run import resume, run
+    from .simulation.ensemble import resume, run
     from .statics.load_stepping import Statics
 
 __version__ = "0.1.0"
@@ -102,8 +102,8 @@ _HOMES = {
     "check": "shellform.simulation.check",
     "read_fabric": "shellform.material.card",
     "read_motion": "shellform.motion.capture.read_motion",
-    "resume": "shellform.simulation.run",
-    "run": "shellform.simulation.run",
+    "resume": "shellform.simulation.ensemble",
+    "run": "shellform.simulation.ensemble",
     "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
 

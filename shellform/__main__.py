@@ -12,6 +12,7 @@ Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.tom
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from mpi4py import MPI
@@ -38,12 +39,14 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 [garment]
 # size = "large-regular"    # or file = "trousers.obj" with an edge named "waist"
 # measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
+# wrinkles = "auto"         # those smaller than a cell: "relaxed", or "resolved" by cells alone
 
 [contact]
 friction = 0.3
 
 [steps]
 accuracy = "draft"          # standard, fine, or a percentage
+# runs = 3                  # starts whose mean is told; by the accuracy
 
 [output]
 window_s = 0.02             # torques are means over this time
@@ -84,6 +87,11 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="a second run with other cells, to estimate the error reached",
     )
+    run.add_argument(
+        "--runs",
+        type=console.positive(int),
+        help="starts whose mean is told (default: what the accuracy needs)",
+    )
     resume = kinds.add_parser(
         "resume", allow_abbrev=False, help="go on with a run that was stopped"
     )
@@ -114,7 +122,7 @@ def main(given: Sequence[str] | None = None) -> None:
     elif options.do == "run":
         _run(options)
     else:
-        from shellform.simulation.run import resume
+        from shellform.simulation.ensemble import resume
 
         _show(options.out, resume(options.out), options.no_pictures)
 
@@ -129,10 +137,12 @@ def _new(path: Path) -> None:
 def _run(options: argparse.Namespace) -> None:
     """Run a scene, and with --estimate a second one with other cells."""
     from shellform.scene.scene_file import read_scene
+    from shellform.simulation.ensemble import run
     from shellform.simulation.error_study import check_cells, estimate
-    from shellform.simulation.run import run
 
     out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
+    if options.runs:
+        scene = replace(scene, steps=replace(scene.steps, runs=options.runs))
     if options.estimate:
         check_cells(scene, "--estimate")
     results = run(scene, out, dressed=options.dressed)

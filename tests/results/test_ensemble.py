@@ -30,7 +30,7 @@ TRIALS = 2000
 def made_up(rng, runs, scatter=0.3, height=-4.0):
     """Curves (runs, 51): a bump of a known height, with smooth noise of a known scatter.
 
-    Noise is a sum of five waves with independent normal amplitudes, its variance the same everywhere.
+    Noise is a sum of five waves with independent normal amplitudes, of one variance everywhere.
     """
     k = np.arange(1, 6)
     waves = np.concatenate([np.cos(np.outer(k, 6 * TIMES)), np.sin(np.outer(k, 6 * TIMES))])
