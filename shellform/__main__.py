@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | trade | run | resume`, also as `python -m shellform`.
+"""The command: `shellform new | check | trade | run | resume | compare`.
+
+Also as `python -m shellform`.
 
     shellform new scene.toml        writes a commented scene to start from
     shellform check scene.toml      says what would be modelled and what it would cost
     shellform trade scene.toml      says what errors cost: cells, step, time, memory for each
     shellform run scene.toml        dresses the wearer, plays the motion, reports torques
     shellform resume out/scene      goes on with a run that was stopped
+    shellform compare out/a out/b   says whether two runs differ in their torques
 
 Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
 """
@@ -96,6 +99,11 @@ def parser() -> argparse.ArgumentParser:
         "resume", allow_abbrev=False, help="go on with a run that was stopped"
     )
     resume.add_argument("out", type=Path, help="folder of the run")
+    compare = kinds.add_parser(
+        "compare", allow_abbrev=False, help="say whether two runs differ in their torques"
+    )
+    compare.add_argument("one", type=Path, help="folder of a run")
+    compare.add_argument("other", type=Path, help="folder of another, with other cloth or garment")
     for kind in (run, resume):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
     return top
@@ -121,6 +129,12 @@ def main(given: Sequence[str] | None = None) -> None:
         console.say(lines)
     elif options.do == "run":
         _run(options)
+    elif options.do == "compare":
+        from shellform.results.comparison import comparison_lines
+        from shellform.simulation.ensemble import compare_runs
+
+        found = compare_runs(options.one, options.other)
+        console.say(comparison_lines(found, str(options.one), str(options.other)))
     else:
         from shellform.simulation.ensemble import resume
 

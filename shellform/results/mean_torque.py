@@ -5,9 +5,9 @@ Each run has left a torque.csv, with windows at the same times. Of every joint a
 
     peak of the mean curve, root mean square and work of the runs,
 
-with standard errors (ensemble.py), over what counts of the motion, and the same of the mean stride where it has two or more that are
-alike: each run's curves are brought to 101 places from heel strike to heel strike, averaged over
-the strides of the run, then over the runs.
+with standard errors (ensemble.py), over what counts of the motion, and the same of the mean stride
+where it has two or more that are alike: each run's curves are brought to 101 places from heel
+strike to heel strike, averaged over the strides of the run, then over the runs.
 
 torque_mean.csv and stride_mean.csv hold the mean curves with standard error and spread of the runs;
 both fields are empty for one run alone.
@@ -71,8 +71,8 @@ def read_courses(files: Sequence[str | Path]) -> dict[str, Course]:
     courses = {}
     for joint, runs in found.items():
         values, ends = np.array(runs), times[joint]
-        first = 2 * ends[0] - ends[1] if len(ends) > 1 else 0.0
-        courses[joint] = Course(ends, np.diff(ends, prepend=first), values[..., 0], values[..., 1])
+        begin = 2 * ends[0] - ends[1] if len(ends) > 1 else 0.0
+        courses[joint] = Course(ends, np.diff(ends, prepend=begin), values[..., 0], values[..., 1])
     return courses
 
 
@@ -162,6 +162,12 @@ def write_mean_strides(path: str | Path, curves: Mapping[str, np.ndarray]) -> No
     for joint, own in curves.items():
         lines += _lines(PLACES, joint, band(own))
     write_atomically(path, "\n".join(lines) + "\n")
+
+
+def mean_rows(folder: str | Path) -> list[dict[str, Any]]:
+    """Rows of torque_mean.csv in the folder of an ensemble; of torque.csv where one run is all."""
+    mean = Path(folder) / "torque_mean.csv"
+    return rows_until(mean if mean.is_file() else Path(folder) / "torque.csv", np.inf)
 
 
 def _lines(places, joint, found):

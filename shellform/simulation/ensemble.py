@@ -17,6 +17,7 @@ from mpi4py import MPI
 from shellform.motion.gait.like_strides import alike
 from shellform.motion.gait.strides import counted, strides
 from shellform.motion.recording import SIDES, Recording
+from shellform.results.comparison import compare
 from shellform.results.files import write_atomically
 from shellform.results.mean_torque import (
     Course,
@@ -163,6 +164,44 @@ def _write(members):
         write_mean_strides(out / MEAN[1], curves)
     write_atomically(out / "summary.json", json.dumps(summary, indent=2) + "\n")
     return summary["results"]
+
+
+def compare_runs(one: str | Path, other: str | Path) -> dict[str, dict]:
+    """Differences of the joint torques of two ensembles, by their folders.
+
+    Returns
+    -------
+    dict, joint -> see `results.comparison.differences`
+
+    Raises
+    ------
+    ValueError for a folder without a run that is complete
+
+    Examples
+    --------
+    >>> compare_runs("out/nothing", "out/walk")
+    Traceback (most recent call last):
+    ValueError: out/nothing holds no complete run: compute it with `shellform run`
+    """
+    return compare(*(counted_courses(folder) for folder in (one, other)))
+
+
+def counted_courses(out: str | Path) -> dict[str, Course]:
+    """Courses of all joints in the folder of an ensemble, over what counts of its motion.
+
+    Raises
+    ------
+    ValueError where run 0 is not complete; runs from the first that is not are left out
+    """
+    out = Path(out)
+    members = members_of(read_scene(out / "scene.toml"), out) if _has_scene(out) else []
+    if not members or not members[0].complete:
+        raise ValueError(f"{out} holds no complete run: compute it with `shellform run`")
+    complete = [member.complete for member in members]
+    first = complete.index(False) if False in complete else len(members)
+    courses = read_courses([member.out / "torque.csv" for member in members[:first]])
+    window = counted(wearer_of(members[0].scene).recording)
+    return {joint: course.within(*window) for joint, course in courses.items()}
 
 
 def numbers(courses: dict[str, Course], recording: Recording) -> tuple[dict[str, Any], dict]:

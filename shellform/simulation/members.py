@@ -65,7 +65,7 @@ class Member(NamedTuple):
         if self.begun:
             resume(self.out, comm, watch)
         else:
-            run(self.scene, self.out, comm, self.dressed, watch)
+            run(self.scene, self.out, comm, self.dressed, watch, lines=self.out == self.home)
 
     def words(self) -> list[str]:
         """Arguments of `shellform` that do as `play`."""
@@ -126,9 +126,9 @@ def play_all(members: Sequence[Member], comm: MPI.Comm, watch: Callable | None =
     if len(members) == 1:
         raise fault
     done, home = sum(member.complete for member in members), members[k].home
+    what = "stopped" if isinstance(fault, Stopped) else f"{members[k].out}: {fault};"
     raise type(fault)(
-        f"{members[k].out}: {fault}; {done} of {len(members)} runs are complete and stay, those of "
-        f"{home} are gone on with by: shellform resume {home}"
+        f"{what} with {done} of {len(members)} runs complete; go on with: shellform resume {home}"
     )
 
 

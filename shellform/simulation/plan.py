@@ -74,6 +74,8 @@ def plan_of(
         "belt": scene.belt,
         "outputs": ["torque.csv", "ledger.csv", "dressing.pvd", "series.pvd"],
     }
+    if scene.runs > 1:
+        plan["outputs"].append("torque_mean.csv")
     if output.pressure:
         plan["outputs"].append("pressure.npz")
     return {name: value for name, value in plan.items() if value or value is False}

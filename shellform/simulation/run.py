@@ -58,6 +58,7 @@ def run(
     comm: MPI.Comm = MPI.COMM_WORLD,
     dressed: str | Path | None = None,
     watch: Callable | None = None,
+    lines: bool = True,
 ) -> dict:
     """Dress, play the motion, leave files in the folder `out`; returns the results.
 
@@ -67,6 +68,7 @@ def run(
     dressed : file of a dressed state (`OUT/dressed.npz` of a run of the same garment and wearer),
         which is then not made anew
     watch : function of (stage, model), called at every frame while dressing and walking
+    lines : whether rank 0 prints what is predicted of errors and time
 
     Raises
     ------
@@ -86,7 +88,8 @@ def run(
         for name in ("checkpoint.npz", "summary.json"):
             (out / name).unlink(missing_ok=True)
         write_scene(scene, out / "scene.toml")
-        print("\n".join(prediction_lines(model)), flush=True)
+        if lines:
+            print("\n".join(prediction_lines(model)), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
