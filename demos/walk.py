@@ -12,8 +12,8 @@ to 14) in explicit steps with contact (Eqs. 15 and 16); the torque about the joi
 with f_i the contact force on the body at node i, AJ all of the body below the joint.
 
 What is compared. Torque against time for compliant and for stiff cloth, with its peak, root mean
-square and work over a stride, each the mean over several starts with its standard error; whether fabrics
-differ. Forces must balance weight and momentum in every window.
+square and work over a stride, each the mean over several starts with its standard error; whether
+the fabrics differ. Forces must balance weight and momentum in every window.
 
 Source. The paper's Sec. 4.2; the synthetic walk is that of shellform/motion/gait.
 

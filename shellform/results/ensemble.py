@@ -88,8 +88,17 @@ def jackknife(statistic: Callable[[np.ndarray], float], samples: np.ndarray) -> 
 
 
 def peak_of_mean(curves: np.ndarray) -> Estimate:
-    """Peak of the mean of curves (n, w), with its jackknife error."""
-    return jackknife(lambda some: peak(some.mean(axis=0)), curves)
+    """Peak of the mean of curves (n, w), with its jackknife error.
+
+    Without any one run it is the peak of the same sign, though that of the other may be larger.
+    """
+    sign = np.sign(peak(np.mean(curves, axis=0)))
+    return jackknife(lambda some: _signed_peak(some.mean(axis=0), sign), curves)
+
+
+def _signed_peak(curve, sign):
+    """Largest value of a curve in a direction."""
+    return float(sign * (sign * curve).max())
 
 
 def root_mean_squares(curves: np.ndarray, widths: np.ndarray) -> np.ndarray:
@@ -99,13 +108,16 @@ def root_mean_squares(curves: np.ndarray, widths: np.ndarray) -> np.ndarray:
 
 def peak_difference(one: np.ndarray, other: np.ndarray) -> Estimate:
     """Peak of the mean of curves `one` (n, w) less that of `other` (n, v), run paired with run."""
-    at = np.arange(min(len(one), len(other)))
+    runs = min(len(one), len(other))
+    pair = one[:runs], other[:runs]
+    signs = [np.sign(peak(curves.mean(axis=0))) for curves in pair]
 
-    def difference(which: np.ndarray) -> float:
-        chosen = which.astype(int)
-        return peak(one[chosen].mean(axis=0)) - peak(other[chosen].mean(axis=0))
+    def difference(chosen: np.ndarray) -> float:
+        means = (curves[chosen.astype(int)].mean(axis=0) for curves in pair)
+        a, b = (_signed_peak(mean, sign) for mean, sign in zip(means, signs, strict=True))
+        return a - b
 
-    return jackknife(difference, at)
+    return jackknife(difference, np.arange(runs))
 
 
 def paired_difference(one: np.ndarray, other: np.ndarray) -> Estimate:

@@ -24,7 +24,7 @@ from .files import write_atomically
 from .joint_torque import rows_until
 
 PLACES = np.linspace(0.0, 100.0, 101)  # of a stride [%]
-SLACK = 1e-9  # s, of times in a file
+SLACK = 1e-6  # s, of times in a file
 
 
 class Course(NamedTuple):
@@ -45,8 +45,12 @@ class Course(NamedTuple):
         return Course(*(field[..., inside] for field in self))
 
 
-def read_courses(files: Sequence[str | Path]) -> dict[str, Course]:
+def read_courses(files: Sequence[str | Path], start: float | None = None) -> dict[str, Course]:
     """Courses of all joints in the torque.csv of n runs.
+
+    Parameters
+    ----------
+    files : one a run; start : begin [s] of the first window, None: it is as long as the second
 
     Raises
     ------
@@ -71,7 +75,9 @@ def read_courses(files: Sequence[str | Path]) -> dict[str, Course]:
     courses = {}
     for joint, runs in found.items():
         values, ends = np.array(runs), times[joint]
-        begin = 2 * ends[0] - ends[1] if len(ends) > 1 else 0.0
+        begin = start
+        if begin is None:
+            begin = 2 * ends[0] - ends[1] if len(ends) > 1 else 0.0
         courses[joint] = Course(ends, np.diff(ends, prepend=begin), values[..., 0], values[..., 1])
     return courses
 

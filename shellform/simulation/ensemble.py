@@ -149,7 +149,8 @@ def _tell(members: Sequence[Member], comm: MPI.Comm) -> dict:
 def _write(members):
     """Write the means of an ensemble whose runs are complete; returns its results."""
     out, recording = members[0].out, wearer_of(members[0].scene).recording
-    courses = read_courses([member.out / "torque.csv" for member in members])
+    start = float(recording.times[0])
+    courses = read_courses([member.out / "torque.csv" for member in members], start)
     joints, curves = numbers(courses, recording)
     summary = summary_of(out)
     summary["results"] |= {"joints": joints, "counted_s": counted(recording)}
@@ -199,8 +200,10 @@ def counted_courses(out: str | Path) -> dict[str, Course]:
         raise ValueError(f"{out} holds no complete run: compute it with `shellform run`")
     complete = [member.complete for member in members]
     first = complete.index(False) if False in complete else len(members)
-    courses = read_courses([member.out / "torque.csv" for member in members[:first]])
-    window = counted(wearer_of(members[0].scene).recording)
+    recording = wearer_of(members[0].scene).recording
+    files = [member.out / "torque.csv" for member in members[:first]]
+    courses = read_courses(files, float(recording.times[0]))
+    window = counted(recording)
     return {joint: course.within(*window) for joint, course in courses.items()}
 
 

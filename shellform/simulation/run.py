@@ -10,6 +10,7 @@ checkpoints, and `_write_results`.
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from mpi4py import MPI
@@ -20,6 +21,7 @@ from shellform.console import progress
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.errors import Stopped, Unstable
+from shellform.motion.gait.strides import counted
 from shellform.results.report import Report
 from shellform.results.series import Series
 from shellform.scene.scene import Scene
@@ -143,10 +145,14 @@ def _set_up(scene: Scene, out: Path, comm: MPI.Comm) -> tuple[Report, Model]:
 
 
 def _windows(model: Model) -> np.ndarray:
-    """Times [s] at which rows are recorded."""
-    start, end = model.wearer.start, model.wearer.end
-    count = max(1, round((end - start) / model.scene.output.window))
-    return np.linspace(start, end, count + 1)[1:]
+    """Times [s] at which rows are recorded; a window begins, and one ends, with what counts."""
+    wearer, ends = model.wearer, []
+    edges = [wearer.start, *counted(wearer), wearer.end]
+    for begin, end in pairwise(edges):
+        if end - begin > 1e-9:
+            count = max(1, round((end - begin) / model.scene.output.window))
+            ends.append(np.linspace(begin, end, count + 1)[1:])
+    return np.concatenate(ends)
 
 
 def _finish(walk: Walk) -> dict:

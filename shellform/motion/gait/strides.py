@@ -70,7 +70,7 @@ def strides(motion: Recording | Wearer) -> dict[str, np.ndarray]:
         own = strikes[side]
         own = own[(own >= begin - 0.5 * step) & (own <= end + 0.5 * step)]
         pairs = np.clip(np.column_stack([own[:-1], own[1:]]), begin, end)
-        found[side] = pairs[[_is_stride(*pair, strikes[other], rests) for pair in pairs]]
+        found[side] = pairs[[_is_stride(begin, end, strikes[other], rests) for begin, end in pairs]]
     return found
 
 
