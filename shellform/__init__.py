@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from .results.ledger import Ledger
     from .scene.scene import Scene
     from .simulation.check import check
-    from .simulation.run import resume, run
+    from .simulation.ensemble import resume, run
     from .statics.load_stepping import Statics
 
 __version__ = "0.1.0"
@@ -107,6 +107,8 @@ _HOMES = {
     "resume": "shellform.simulation.run",
     "run": "shellform.simulation.run",
     "strides": "shellform.motion.gait.strides",
+    "resume": "shellform.simulation.ensemble",
+    "run": "shellform.simulation.ensemble",
     "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
 

@@ -62,18 +62,40 @@ def summary_lines(results: dict) -> list[str]:
         lines.append(
             f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
         )
+    return lines + torque_lines(results)
+
+
+def torque_lines(results: dict) -> list[str]:
+    """Lines of the torque about every joint, with standard errors where there are several runs."""
+    runs = max((row.get("runs", 1) for row in results["joints"].values()), default=1)
     begin, end = results["counted_s"]
-    lines.append(
+    lines = [
         f"torque about the axis of flexion, means over {results['window']:g} s, of what counts: "
         f"{begin:.2f} to {end:.2f} s"
-    )
-    lines.append(
-        f"{'joint':>12} {'peak N m':>10} {'rms N m':>10} {'work J':>10} {'resisted J':>11}"
-    )
+    ]
+    if runs > 1:
+        lines.append(f"mean of {runs} runs and its standard error")
+    wide = 18 if runs > 1 else 10
+    titles = ("peak N m", "rms N m", "work J", "resisted J")
+    lines.append(f"{'joint':>12}" + "".join(f" {title:>{wide}}" for title in titles))
     for joint, row in results["joints"].items():
-        numbers = f"{row['peak_torque']:10.3f} {row['rms_torque']:10.3f} {row['work']:10.3f}"
-        lines.append(f"{joint:>12} {numbers} {row['resistance']:11.3f}")
+        lines.append(f"{joint:>12}" + _numbers(row, wide))
+        if "mean_stride" in row:
+            lines.append(f"{'its stride':>12}" + _numbers(row["mean_stride"], wide))
     return lines
+
+
+def _numbers(row, wide):
+    """Numbers of a joint, each with its standard error if it has one."""
+    out = ""
+    for name in ("peak_torque", "rms_torque", "work", "resistance"):
+        error = row.get(f"{name}_error")
+        out += f" {_with_error(row[name], error):>{wide}}"
+    return out
+
+
+def _with_error(value, error):
+    return f"{value:.3f}" if error is None else f"{value:.3f} +- {error:.3f}"
 
 
 def summary_of(out: str | Path) -> dict:
