@@ -58,7 +58,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
 
     fixed (n,), sets (SETS, n), look (LOOK, n), guards (n, GUARDS, GUARD) : what nodes keep, see
     step_record.py; away (n,), gaps (m,), planes (2 m,), node (1,) : work
-    beds (n,), filled, or (0,) : see soft_contact.py
+    beds (n,), filled, or (0,) if nobody asked : see `bed_stiffness` in soft_contact.py
     books : impulse (n, 3) and table (m, BOOKED) of this step, filled, and those of the window,
     added to.
     """
@@ -70,6 +70,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
         """Node i, which several segments may hold; the segment that pushes most, or -1."""
         for c in range(3):
             work.kick[c] = v[i, c] - old[i, c]
+        work.beds = 0.0
         node.allowed, node.far = sets[ALLOWED, i], sets[FAR, i]
         node.segment, node.penetrated = sets[SEGMENT_TOUCHED, i], sets[PENETRATED, i]
         segment, depth, pinch = correct_node(

@@ -18,6 +18,7 @@ STEP = np.dtype(
         ("recovery_speed", float),  # greatest of a node that is moved out of a body [m/s]
         ("recovery", float),  # way out of a body in one step for a node that starts inside [m]
         ("flesh", float),  # stiffness of soft segments over areal mass [1/s^2], see soft_contact.py
+        ("bed", float),  # stiffness of one segment as a bed of the cloth [Pa/m]; 0: not asked for
         # motion of the body
         ("path", float),  # way of the surfaces in all steps before [m]
         ("motion", float),  # most that any surface point moves in this one [m]
@@ -38,7 +39,7 @@ STEP = np.dtype(
         ("trial", float, 3),  # step with friction, before normals
         ("change", float, 3),  # of the velocity by contact [m/s]
         ("impulse", float, 3),  # of one plane [N s]
-        ("beds", float),  # stiffness of the soft parts that press it from both sides [Pa/m]
+        ("beds", float),  # stiffness of the segments that press it from opposite sides [Pa/m]
         ("clearance", float),  # what is left of the node's clearance [m], see broad_phase.py
         # the node at work: planes found
         ("count", np.int64),  # of hard segments

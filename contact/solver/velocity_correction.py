@@ -263,6 +263,18 @@ class VelocityCorrection:
         for name in ("max_depth", "pinch_depth"):
             self._work[name] = max(self._work[name], other._work[name])
 
+    def watch_beds(self, stiffness: float = np.inf) -> np.ndarray:
+        """Array (n,) [Pa/m], filled in every step from now on; zero until the next one.
+
+        What each node is bedded on where segments press it from opposite sides: the sum of their
+        `stiffness` [Pa/m], that of soft ones; without flesh they are hard and it is infinite. Zero
+        where a node is free or pressed from one side only.
+        """
+        if not len(self._beds):
+            self._beds = np.zeros(len(self.segment))
+        self._step["bed"] = stiffness if self._work["flesh"] < np.inf else np.inf
+        return self._beds
+
     def reset(self) -> None:
         """Begin a new window."""
         self.window.clear()
@@ -291,9 +303,14 @@ class VelocityCorrection:
 
     def state(self) -> dict[str, np.ndarray]:
         """What the next step needs to know of this one, for `restore` (copies)."""
-        return {"segment": self.segment.copy(), "penetrated": self.penetrated.copy()}
+        return {
+            "segment": self.segment.copy(),
+            "penetrated": self.penetrated.copy(),
+            "beds": self._beds.copy(),
+        }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Continue from `state()`."""
         self.segment[:] = state["segment"]
         self.penetrated[:] = state["penetrated"]
+        self._beds[:] = state["beds"] if len(state["beds"]) else 0.0
