@@ -48,7 +48,7 @@ class InternalForce:
         self._packed: list[tuple] = []
         self._viscous: list[int] = []
         # load and weight of the arcs of each cell of a relaxed sheet
-        self._cells_give: tuple = (None, None)
+        self._cells_give: tuple[np.ndarray | None, np.ndarray | None] = (None, None)
         if by_segments(shell):
             forms, self._quads = [], self._by_segments()
             if shell.wrinkles is not None:
