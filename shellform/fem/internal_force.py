@@ -176,9 +176,10 @@ class InternalForce:
 
     def freeze(self, w: np.ndarray) -> np.ndarray | None:
         """Stress that relaxation adds at w to that of the taut sheet; None without relaxation."""
-        if self._quads is None or not self.shell.relaxed:
+        load, arcs = self._cells_give
+        if self._quads is None or load is None or arcs is None:
             return None
-        return self._quads.freeze(w.reshape(-1, 6), *self._cells_give)
+        return self._quads.freeze(w.reshape(-1, 6), load, arcs)
 
 
 def by_segments(shell: Shell) -> bool:
