@@ -2,9 +2,8 @@
 """Series of arc length and turning angle: against circles."""
 
 import numpy as np
-import pytest
 
-from shellform.fem.arc import arc_lengths, half_length_squared, turning
+from shellform.fem.arc import arc_lengths, turning
 
 
 def arc(angle, radius=0.3):
