@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 
 
-def half_length_squared(xx: Any, xd: Any, dd: Any) -> Any:
-    """l^2/2 [m^2]; of a circular arc up to the fourth order of its angle, 0.1 % below at 60 deg."""
-    return 0.5 * xx + xd**2 * (1 + 2 * dd / 15) / 24
+def half_length_squared(xx: Any, xd: Any, dd: Any, weight: Any = 1) -> Any:
+    """l^2/2 [m^2]; of a circular arc up to the fourth order of its angle, 0.1 % below at 60 deg.
+
+    `weight` is that of what the arc is longer than its chord: 0 gives the chord.
+    """
+    return 0.5 * xx + weight * xd**2 * (1 + 2 * dd / 15) / 24
 
 
 def turning(xd: Any, dd: Any) -> Any:

@@ -47,10 +47,16 @@ class InternalForce:
         self._quads: QuadForce | None = None
         self._packed: list[tuple] = []
         self._viscous: list[int] = []
+        # load and weight of the arcs of each cell of a relaxed sheet
+        self._cells_give: tuple = (None, None)
         if by_segments(shell):
             forms, self._quads = [], self._by_segments()
+            if shell.wrinkles is not None:
+                self._cells_give = shell.wrinkles.load, shell.wrinkles.arcs
         else:
             forms = self._strain_forms()
+        # of quads that the kernel does not know
+        self._membrane = None if self._quads is not None else shell.cell_membrane
         self._pressure = None
         if shell.loads.pressures:
             self._pressure = Constant(shell.mesh, 0.0)
@@ -88,7 +94,7 @@ class InternalForce:
         if warp is not None and np.ndim(warp) == 2:
             warp = warp[given_cells(shell.mesh)[: len(cells)]]
         directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
-        return QuadForce(points, directors, cells, warp, shell.fabric)
+        return QuadForce(points, directors, cells, warp, shell.fabric, shell.relaxed)
 
     def _pack(self, k, form):
         """Constants, coefficients, and the columns of the latter that hold w and its rates."""
@@ -116,12 +122,17 @@ class InternalForce:
         return values[:, columns]
 
     def __call__(
-        self, w: np.ndarray, pressure: float = 0.0, ahead: np.ndarray | None = None
+        self,
+        w: np.ndarray,
+        pressure: float = 0.0,
+        ahead: np.ndarray | None = None,
+        frozen: np.ndarray | None = None,
     ) -> np.ndarray:
         """Compute the forces at the nodal field w (n_local, 6), ghosts valid; returns `r`.
 
         The force of a follower pressure [Pa] is taken off where the shell has any. `ahead`, used
         where the object is made to be damped: w plus its rates times the time of the damping.
+        `frozen`, of `freeze`: the taut sheet under that stress, in place of a relaxed one.
         """
         if self._pressure is not None:
             self._pressure.value = pressure
@@ -132,7 +143,7 @@ class InternalForce:
         damped = self.damped and ahead is not None
         ahead = w if ahead is None or not damped else ahead.reshape(-1, 6)
         if self._quads is not None:
-            self.loss = self._quads(w, self.r, ahead if damped else None)
+            self.loss = self._quads(w, self.r, ahead if damped else None, *self._cells_give, frozen)
         if self._forms:
             np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         if damped and self._viscous:
@@ -152,9 +163,22 @@ class InternalForce:
             assemble_packed(self._part.ravel(), form, constants, coefficients)
             self.loss += np.vdot(self._part, ahead - w)
             self.r += self._part
+        if self._membrane is not None:
+            self._membrane.add_force(flat, w)
+            if damped:
+                self._part[:] = 0.0
+                self._membrane.add_damping(self._part.ravel(), w, ahead - w)
+                self.loss += np.vdot(self._part, ahead - w)
+                self.r += self._part
         if self._parallel:
             add_ghosts(self._result)
         return self.r
+
+    def freeze(self, w: np.ndarray) -> np.ndarray | None:
+        """Stress that relaxation adds at w to that of the taut sheet; None without relaxation."""
+        if self._quads is None or not self.shell.relaxed:
+            return None
+        return self._quads.freeze(w.reshape(-1, 6), *self._cells_give)
 
 
 def by_segments(shell: Shell) -> bool:
