@@ -49,7 +49,7 @@ class InternalForce:
         self._packed: list[tuple] = []
         self._viscous: list[int] = []
         # load and weight of the arcs of each cell of a relaxed sheet
-        self._cells_give: tuple = (None, None)
+        self._cells_give: tuple[np.ndarray | None, np.ndarray | None] = (None, None)
         if by_segments(shell):
             forms, self.quads = [], self._by_segments()
             if shell.wrinkles is not None:
@@ -179,7 +179,9 @@ class InternalForce:
         """Stress that relaxation adds at w to that of the taut sheet; None without relaxation."""
         if self.quads is None or not self.shell.relaxed:
             return None
-        return self.quads.freeze(w.reshape(-1, 6), *self._cells_give)
+        load, arcs = self._cells_give
+        assert load is not None and arcs is not None  # of a relaxed sheet
+        return self.quads.freeze(w.reshape(-1, 6), load, arcs)
 
 
 def by_segments(shell: Shell) -> bool:
