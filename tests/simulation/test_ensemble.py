@@ -177,7 +177,7 @@ def test_interrupted_ensemble_goes_on(ensemble, tmp_path):
     words = [sys.executable, "-m", "shellform", *words, "--no-pictures"]
     program = subprocess.Popen([*map(str, words)], stderr=subprocess.PIPE, text=True)
     end = time.monotonic() + PATIENCE
-    while not (out / "torque.csv").is_file() and time.monotonic() < end:
+    while not (out / "checkpoint.npz").is_file() and time.monotonic() < end:
         time.sleep(0.05)
     program.send_signal(signal.SIGINT)
     said = program.communicate(timeout=PATIENCE)[1]
