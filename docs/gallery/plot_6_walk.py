@@ -50,8 +50,8 @@ print(f"weight {results['weight']:.3f} N, forces balance to {balance:.0e}")
 # Torque about hips and knees
 # ---------------------------
 # In level strides it is some tenths of a N m. Its course is there with coarse cells, its size is
-# not converged: finer cells pull less, as they fold (see the page on accuracy). Drawn is the mean of
-# three runs, whose starts differ by a thousandth of the belt's tension, with its standard error.
+# not converged: finer cells pull less, as they fold (see the page on accuracy). Drawn is the mean
+# of three runs, whose starts differ by a thousandth of the belt's tension, with its standard error.
 
 rows = mean_rows(folder)
 figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
