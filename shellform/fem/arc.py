@@ -2,8 +2,7 @@
 """A bent sheet between two points: length of its arc and the angle it turns by, as series.
 
 Written for numbers, arrays and UFL expressions alike. With dx = difference of positions, dd =
-difference of directors; xx = dx . dx, xd = dx . dd, dd = dd . dd. quad_kernel_parts.py has compiled
-twins, which a test holds against these.
+difference of directors; xx = dx . dx, xd = dx . dd, dd = dd . dd. quad_force.c has compiled twins.
 """
 
 from typing import Any
@@ -11,9 +10,12 @@ from typing import Any
 import numpy as np
 
 
-def half_length_squared(xx: Any, xd: Any, dd: Any) -> Any:
-    """l^2/2 [m^2]; of a circular arc up to the fourth order of its angle, 0.1 % below at 60 deg."""
-    return 0.5 * xx + xd**2 * (1 + 2 * dd / 15) / 24
+def half_length_squared(xx: Any, xd: Any, dd: Any, weight: Any = 1) -> Any:
+    """l^2/2 [m^2]; of a circular arc up to the fourth order of its angle, 0.1 % below at 60 deg.
+
+    `weight` is that of what the arc is longer than its chord: 0 gives the chord.
+    """
+    return 0.5 * xx + weight * xd**2 * (1 + 2 * dd / 15) / 24
 
 
 def turning(xd: Any, dd: Any) -> Any:

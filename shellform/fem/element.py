@@ -3,7 +3,7 @@
 
 Cell         shear               membrane                       bending
 triangle     3 corners (MITC3)   arcs of the sides              turning of the sides
-quad         4 corners (MITC4)   arcs at the corners            turning at 2x2 Gauss
+quad         4 corners (MITC4)   six lengths of the cell        turning at 2x2 Gauss
              or the same         chords at 2x2 Gauss            plain or turning at 2x2 Gauss
 9-node quad  2 Gauss x 3         2x3 and 3x2 Gauss, mixed       3x3 Gauss
              Simpson lines       products at 2x2
@@ -13,7 +13,8 @@ The places were chosen by measurement on distorted meshes: shear on Gauss lines 
 chord membrane under folds across the mesh; uniform 2x2 leaves 9-node quads four spurious modes.
 
 FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silently; so terms are
-grouped by rule and every rule becomes a form of its own.
+grouped by rule and every rule becomes a form of its own. The six lengths of a quad belong to the
+cell, not to a point: cell_membrane.py has them.
 
 A law that is not quadratic in a strain gives the density of that strain's Term (terms.py). Where a
 quadratic energy is shared out over several rules, or couples strains, it stays, and what the law
@@ -53,6 +54,7 @@ def product_rule(first: Pairs, second: Pairs) -> list[tuple[float, float, float]
 
 
 RULES: dict[str, list[tuple[float, float, float]]] = {
+    "centre": [(0.5, 0.5, 1.0)],
     "corners": product_rule(ENDS, ENDS),
     "gauss2": product_rule(GAUSS2, GAUSS2),
     "gauss23": product_rule(GAUSS2, GAUSS3),
@@ -90,6 +92,8 @@ def energy_terms(
     ----------
     mesh : dolfinx.mesh.Mesh of the surface
     surface, fabric, law, membrane, curvature, thick : see `Shell`
+
+    The membrane of quads by six lengths (`has_six_lengths`) is not among them.
     """
     M = strains.lamina(mesh, warp_field(mesh, surface.warp) if fabric.directional else None)
     V = strains.voigt(M)
@@ -128,15 +132,19 @@ def energy_terms(
             *of_law.beyond("membrane", name, measures[0], inside),
             *of_law.beyond("bending", name, measures[1], inside),
         ]
-    if membrane == "arcs":
-        eps, place = strains.membrane_arcs(1 if triangle else 4 * s[0] * s[1]), corners
-    else:
-        eps, place = strains.membrane_chords, inside
-    return [
-        shear,
-        Term("membrane", eps, stacked_product(V, [[A]]), place, of_law.whole("membrane")),
-        Term("bending", kappa, stacked_product(V, [[D]]), inside, of_law.whole("bending")),
-    ]
+    bending = Term("bending", kappa, stacked_product(V, [[D]]), inside, of_law.whole("bending"))
+    if has_six_lengths(surface, fabric, membrane, thick):
+        return [shear, bending]
+    arcs = membrane == "arcs"
+    eps, place = (strains.membrane_arcs, corners) if arcs else (strains.membrane_chords, inside)
+    stretching = Term("membrane", eps, stacked_product(V, [[A]]), place, of_law.whole("membrane"))
+    return [shear, stretching, bending]
+
+
+def has_six_lengths(surface: Surface, fabric: Sheet, membrane: str, thick: bool) -> bool:
+    """True if the membrane of a sheet is that of cell_membrane.py: options as for `Shell`."""
+    uncoupled = not thick and not np.any(fabric.coupling)
+    return surface.cells.shape[1] == 4 and membrane == "arcs" and uncoupled
 
 
 def _nine_nodes(V, M, stiffness, cap, thick, of_law):

@@ -18,9 +18,10 @@ from numpy.typing import ArrayLike
 
 from meshes import Surface
 from meshes.geometry import widest_corners
-from shellform.material.energy import StVenant, check_law
+from shellform.material.energy import StVenant, check_law, is_quadratic
 from shellform.material.sheet import Sheet
 
+from .cell_membrane import CellMembrane
 from .dolfinx_compat import (
     Constant,
     Function,
@@ -30,12 +31,13 @@ from .dolfinx_compat import (
     compiled,
     create_matrix,
 )
-from .element import check_warp, energy_terms, terms_of
+from .element import check_warp, energy_terms, has_six_lengths, terms_of
 from .loads import Loads
 from .partition import Partition
 from .shape_functions import locate
 from .supports import Supports
 from .weak_form import WeakForm
+from .wrinkles import KINDS, Wrinkles
 
 # field w_ of an iterate and the change since, arrays with ghosts: the stress is linearised about it
 Linearised = tuple[np.ndarray, np.ndarray]
@@ -48,17 +50,21 @@ class Shell:
     ----------
     surface : meshes.Surface
         Triangles, quads or 9-node quads; its `warp` is needed by fabrics with a direction.
-        Quads and triangles with arcs are made for sheets that fold: bending *in their own plane*
-        they are stiff on coarse meshes (a cantilever of 10 quads has 0.23 of its deflection, 0.67
-        with membrane='chords'); 9-node quads are right there too.
+        Triangles are made for sheets that fold: bending *in their own plane* they are stiff on
+        coarse meshes (a cantilever of 10 x 1 squares, each cut in two, has 0.23 of its deflection),
+        quads are not.
     fabric : Fabric
     comm : MPI communicator
     law : StVenant (default) or one derived from it, as NeoHookean
         What the sheet stores in its strains, see material/energy.py. Any but the default makes the
         explicit force of 4-node quads several times dearer.
     membrane : 'arcs' (default) or 'chords'
-        Membrane strain of triangles and 4-node quads from arc lengths at the corners, or from the
-        tangents at 2x2 Gauss points. Ignored by 9-node quads.
+        Membrane strain of triangles and 4-node quads from the lengths of arcs (three sides; four
+        sides and two diagonals), or from tangents, of quads at 2x2 Gauss points. Ignored by 9-node
+        quads.
+    wrinkles : 'resolved' (default) or 'relaxed'
+        Whether cells answer compression as they are, or give way as cloth does that wrinkles below
+        their size (material/wrinkling.py); the latter for 4-node quads with arcs.
     curvature : 'turning' (default) or 'plain'
         Curvature by turning angles or by x,a . d,b. Ignored by 9-node quads.
     thick : bool
@@ -68,6 +74,7 @@ class Shell:
     ----------
     w : fem.Function (u, d) [m, -]; reference : the same before loading
     supports : Supports, loads : Loads
+    cell_membrane : CellMembrane of 4-node quads with arcs, None for others
 
     Raises
     ------
@@ -93,10 +100,12 @@ class Shell:
         membrane: str = "arcs",
         curvature: str = "turning",
         thick: bool = False,
+        wrinkles: str = "resolved",
     ):
         for name, value, choices in (
             ("membrane", membrane, ("arcs", "chords")),
             ("curvature", curvature, ("turning", "plain")),
+            ("wrinkles", wrinkles, KINDS),
         ):
             if value not in choices:
                 raise ValueError(f"{name} is one of {', '.join(choices)}, not '{value}'")
@@ -113,6 +122,9 @@ class Shell:
         self.surface, self.fabric = surface, fabric
         self.law = StVenant() if law is None else law
         check_law(self.law, fabric)
+        if wrinkles == "relaxed":
+            check_relaxed(surface, fabric, self.law, membrane, thick)
+        self.relaxed = wrinkles == "relaxed"
         self.options: dict = {"membrane": membrane, "curvature": curvature, "thick": thick}
         self.partition = partition = Partition(surface, comm)
         self.comm, self.mesh, self.space = comm, partition.mesh, partition.space
@@ -133,6 +145,20 @@ class Shell:
         """Energy, virtual work and tangent in UFL; made when first needed."""
         terms = energy_terms(self.mesh, self.surface, self.fabric, self.law, **self.options)
         return WeakForm(self.mesh, terms, self.w, self.reference)
+
+    @cached_property
+    def cell_membrane(self) -> CellMembrane | None:
+        """Membrane of 4-node quads with arcs, else None; made when first needed."""
+        options = self.options["membrane"], self.options["thick"]
+        if not has_six_lengths(self.surface, self.fabric, *options):
+            return None
+        reference = self.reference.x.array.reshape(-1, 6)
+        return CellMembrane(self.partition, self.fabric, self.law, reference, self.relaxed)
+
+    @property
+    def wrinkles(self) -> Wrinkles | None:
+        """When the cells of a relaxed sheet wrinkle; None for a resolved one."""
+        return self.cell_membrane.wrinkles if self.relaxed and self.cell_membrane else None
 
     @cached_property
     def before(self) -> Function:
@@ -176,7 +202,9 @@ class Shell:
         return {
             "element": f"{self.surface.kind} of degree {self.surface.degree}",
             "terms": terms_of(self.fabric, thick=self.options["thick"]),
-            "evaluated": [f"{term.name} at {term.rule}" for term in self.weak_form.terms],
+            "evaluated": [f"{term.name} at {term.rule}" for term in self.weak_form.terms]
+            + (["membrane by six lengths"] if self.cell_membrane else []),
+            "wrinkles": "relaxed" if self.relaxed else "resolved",
             "loads": self.loads.kinds(),
         } | law
 
@@ -209,10 +237,14 @@ class Shell:
         if "energy" not in self._compiled:
             kinds = self.weak_form.energy()
             self._compiled["energy"] = dict(zip(kinds, compiled(list(kinds.values())), strict=True))
-        return {
+        energy = {
             kind: self.comm.allreduce(sum(assemble_scalar(form) for form in forms))
             for kind, forms in self._compiled["energy"].items()
         }
+        if self.cell_membrane:
+            membrane = self.cell_membrane.energy(self.w.x.array)
+            energy["membrane"] = self.comm.allreduce(membrane)
+        return energy
 
     def internal_force(
         self, out: PETSc.Vec, pressure: float = 0.0, stress_from: Linearised | None = None
@@ -225,6 +257,9 @@ class Shell:
         self._set_pressure(pressure)
         for force, _ in self.forms():
             assemble_vector(out, force)
+        if self.cell_membrane:
+            with out.localForm() as local:
+                self.cell_membrane.add_force(local.array_w, self.w.x.array, stress_from)
 
     def tangent(
         self, out: PETSc.Mat, pressure: float = 0.0, stress_from: Linearised | None = None
@@ -235,6 +270,8 @@ class Shell:
         out.zeroEntries()
         for _, tangent in self.forms():
             assemble_matrix(out, tangent)
+        if self.cell_membrane:
+            self.cell_membrane.add_tangent(out, self.w.x.array, stress_from)
 
     def create_tangent(self) -> PETSc.Mat:
         """Matrix (6 n, 6 n) with the pattern of `tangent`."""
@@ -249,6 +286,27 @@ class Shell:
         if self.loads.pressures:
             self.forms()
             self._pressure.value = pressure
+
+
+def check_relaxed(
+    surface: Surface, fabric: Sheet, law: StVenant, membrane: str, thick: bool
+) -> None:
+    """ValueError if a sheet cannot be relaxed, naming what stands in the way."""
+    if surface.cells.shape[1] != 4:
+        raise ValueError(
+            f"wrinkles='relaxed' is for 4-node quads, {surface.source} has {surface.kind}s of "
+            f"{surface.cells.shape[1]} nodes: mesh it with quads, or take wrinkles='resolved'"
+        )
+    if membrane != "arcs" or thick or np.any(fabric.coupling):
+        raise ValueError(
+            "wrinkles='relaxed' goes with membrane='arcs', without `thick` and with a fabric whose "
+            "bending is not coupled with stretching: take wrinkles='resolved'"
+        )
+    if not is_quadratic(law, "membrane"):
+        raise ValueError(
+            f"wrinkles='relaxed' knows the quadratic membrane energy only, not that of {law!r}: "
+            "take wrinkles='resolved'"
+        )
 
 
 def warn_of_corners(surface: Surface) -> None:

@@ -11,7 +11,8 @@ What keeps the elements from locking is what is measured, and where (element.py)
   gam_a = x,a . (d + s_a d,a), s = +-1/2. This is MITC4 (Dvorkin and Bathe, Eng. Comput. 1, 1984)
   on quads and MITC3 on triangles, evaluated at the corners.
 * membrane "arcs": a segment of a bent sheet is longer than its chord. Its length is taken from
-  positions and directors, l = |dx|^2/2 + (dx . dd)^2/24, so bending an irregular mesh stays free.
+  positions and directors, l = |dx|^2/2 + (dx . dd)^2/24, so bending an irregular mesh stays free:
+  three sides of a triangle; four sides and two diagonals of a quad, see six_lengths.py.
 * curvature "turning": dx . dd of a segment that turns by phi is short by phi^2/12; the factor
   (1 + dd . dd/12) restores it.
 """
@@ -92,21 +93,20 @@ def voigt_rows(a: Any, b: Any, c: Any, d: Any) -> list[list]:
     ]
 
 
-def _from_segments(measure, c, sign):
-    """Components (11, 22, 12) of a quadratic measure from both axes and one diagonal."""
+def _from_segments(measure, c):
+    """Components (11, 22, 12) of a quadratic measure from the sides of a triangle."""
     (g1, g2), (d1, d2) = c.g, c.dd
     first, second = measure(g1, d1), measure(g2, d2)
-    diagonal = measure(g1 - sign * g2, d1 - sign * d2)
-    return ufl.as_vector([first, second, sign * 0.5 * (first + second - diagonal)])
+    return ufl.as_vector([first, second, 0.5 * (first + second - measure(g1 - g2, d1 - d2))])
 
 
-def membrane_arcs(sign: Expr | int) -> Measure:
-    """Membrane strain from arc lengths; `sign` picks the diagonal seen from the point."""
+def membrane_arcs(c: Configuration) -> Expr:
+    """Membrane strain from the arc lengths of the sides of a triangle."""
 
     def measure(p, q):
         return half_length_squared(ufl.dot(p, p), ufl.dot(p, q), ufl.dot(q, q))
 
-    return lambda c: _from_segments(measure, c, sign)
+    return _from_segments(measure, c)
 
 
 def membrane_chords(c: Configuration) -> Expr:
@@ -136,7 +136,7 @@ def curvature_turning(c: Configuration) -> Expr:
 
 def curvature_turning_sides(c: Configuration) -> Expr:
     """Curvature from turning angles along the three sides of a triangle."""
-    return _from_segments(_turning, c, 1)
+    return _from_segments(_turning, c)
 
 
 def director_strain(c: Configuration) -> Expr:

@@ -117,9 +117,7 @@ def relax(
         n[1] -= cost
         stored, shortened = 0.0, 0.0
         for i in range(3):
-            elastic = (
-                compliance[i, 0] * n[0] + compliance[i, 1] * n[1] + compliance[i, 2] * n[2]
-            )
+            elastic = compliance[i, 0] * n[0] + compliance[i, 1] * n[1] + compliance[i, 2] * n[2]
             stored += 0.5 * n[i] * elastic
             if i < 2:
                 shortened += elastic - E[m, i]
@@ -182,8 +180,8 @@ def _best(e, S, angles):
     middle, radius = 0.5 * (e[0] + e[1]), 0.5 * np.hypot(e[0] - e[1], e[2])
     principal = 0.5 * np.arctan2(e[2], e[0] - e[1])
     reach = 0.5 * np.arccos(max(-middle / radius, -1.0))
-    for k in range(-1, 2):
-        trial = principal + 0.8 * k * reach
+    for k in range(-3, 4):
+        trial = principal + 0.3 * k * reach
         gain = _gain(trial, e, S)
         if gain > value:
             value, theta = gain, trial - np.pi * np.floor((trial - angles[0]) / np.pi)

@@ -65,7 +65,8 @@ def heading_axes(pelvis: np.ndarray) -> np.ndarray:
 
 def coordinates(points: dict[str, np.ndarray], base: np.ndarray) -> Coordinates:
     """Coordinates of poses; points : segment -> (n, 3, 3) [m]; base : see `heading_axes`."""
-    axes, hinges = {}, {}
+    axes: dict[str, np.ndarray] = {}
+    hinges: dict[str, np.ndarray] = {}
     angles, arms, local = {}, {}, {}
     for name in (n for n in CHAIN if n in points):
         track = points[name]

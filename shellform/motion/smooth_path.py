@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The smoothest way from rest into a given state that keeps within bounds.
 
-A coordinate runs along a quintic B-spline with even knots. Of all such paths q that begin at rest and
-end with a given value, rate and change of rate, the one is taken with the least
+A coordinate runs along a quintic B-spline with even knots. Of all such paths q that begin at rest
+and end with a given value, rate and change of rate, the one is taken with the least
 
     integral of (q''')^2 dt   (Flash and Hogan, J. Neurosci. 5, 1985)
 
@@ -19,7 +19,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
 DEGREE = 5
-SPAN = 0.02  # between knots [s], about
+SPAN = 0.02  # between knots [s], about: what both ends ask for reaches two spans inward
 GAUSS = np.polynomial.legendre.leggauss(3)  # exact for the square of a quadratic
 
 
@@ -89,7 +89,8 @@ def smooth_path(
         found = np.linalg.lstsq(jerk[:, free], -jerk @ known, rcond=None)[0]
     if found is None:
         return None
-    coefficients[free] = found
+    # no digits that a library's sums may give otherwise on another day; the path stays smooth
+    coefficients[free] = np.round(found, 9)
     return BSpline(knots, coefficients, DEGREE)(times)
 
 
@@ -105,11 +106,13 @@ def _least_distance(E, f, G, h):
     """x of the least |E x - f| with G x >= h, or None where nothing fulfils that."""
     Q, R = np.linalg.qr(E)
     best = Q.T @ f
-    size = max(np.linalg.norm(best), 1e-12)  # distances of order one
-    A = solve_triangular(R, G.T, trans=1).T * size
-    b = h - A @ best / size
+    A = solve_triangular(R, G.T, trans=1).T
     scale = np.maximum(np.linalg.norm(A, axis=1), 1e-300)
-    A, b = A / scale[:, None], b / scale
+    A, b = A / scale[:, None], (h - A @ best) / scale
+    size = b.max()  # way to the farthest half-space that is missed: makes distances of order one
+    if size <= 1e-12 * np.linalg.norm(best):
+        return solve_triangular(R, best)
+    b = b / size
     M = np.vstack([A.T, b])
     target = np.append(np.zeros(len(A.T)), 1.0)
     u, off = nnls(M, target, maxiter=30 * len(b))

@@ -17,8 +17,8 @@ class Motion:
     file : 'synthetic' or a C3D, TRC or CSV file; map : name or file of a segment map, None: the one
     that fits; unit, up : of the file, where it does not tell; cutoff : of the low-pass [Hz];
     max_gap : longest gap filled [s]; start, end : part of the recording used [s]; initiation : time
-    from standing into its first frame [s]; strides, obstacle (height [m], 0 for none) : of the
-    synthetic walk.
+    from standing into its first frame [s], None: 1 s, or longer as joints need; strides, obstacle
+    (height [m], 0 for none) : of the synthetic walk.
 
     Examples
     --------
@@ -36,7 +36,7 @@ class Motion:
     max_gap: float = with_unit(0.1, "s")
     start: float | None = with_unit(None, "s")
     end: float | None = with_unit(None, "s")
-    initiation: float = with_unit(1.0, "s")
+    initiation: float | None = with_unit(None, "s")
     strides: int = 4
     obstacle: float = with_unit(0.5, "m")
 

@@ -8,14 +8,13 @@ motion and is no faster than in the capture by much; the pelvis follows so high 
 lower than in the capture or in standing. Where a second is too short for that, the way is longer.
 
 Segments keep the lengths and hinges of the first frame; where these change there, as skin moves, so
-they do for a tenth of a second before.
+they do for 0.05 s before.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from shellform.motion.joint_coordinates import (
     CHAIN,
@@ -31,7 +30,7 @@ LEAST, MOST, LONGER = 1.0, 3.0, 0.25  # the way takes so long, and so much longe
 FASTER = 1.3  # than the same joint in the capture
 SLOW = np.radians(60.0)  # a joint may always be as fast [rad/s]
 BEYOND = np.radians(10.0)  # the angles of the capture and of standing, where there is time for it
-FADE = 0.1  # changes of length and hinge die away so long before the first frame [s]
+FADE = 0.05  # changes of length and hinge die away so long before the first frame [s]
 
 
 def gait_initiation(
@@ -61,7 +60,7 @@ def gait_initiation(
     >>> from shellform.motion.gait.standing_pose import standing_of
     >>> walk = sf.synthetic_walk(strides=2, obstacle=0.0)
     >>> late = {name: track[150:] for name, track in walk.points.items()}
-    >>> part = sf.Recording(walk.times[150:], late)
+    >>> part = Recording(walk.times[150:], late)
     >>> full = gait_initiation(part, standing_of(part))
     >>> f"{full.times[0]:.2f} {full.times[full.first_frame]:.2f} s"
     '0.50 1.50 s'
@@ -106,7 +105,7 @@ class _Way:
         self.arms = {name: _state(t, own.arms[name][few]) for name in self.names}
         self.local = {name: _state(t, own.local[name][few]) for name in self.names}
         self.tight, self.ample, self.fastest = {}, {}, {}
-        peaks: dict[str, np.ndarray] = {}
+        peaks = {}
         for name in self.names:
             rate = np.abs(np.gradient(own.angles[name], recording.times, axis=0)).max(axis=0)
             kind = name.split("_")[-1]
@@ -185,7 +184,7 @@ def _lowest(points):
 
 
 def _state(t, values):
-    """Value, rate and change of rate at t = 0 of the polynomial through values (n, ...) at t (n,)."""
+    """Value, rate, change of rate at t = 0 of the polynomial through values (n, ...) at t (n,)."""
     powers = np.linalg.inv(np.vander(t, increasing=True))
     terms = np.tensordot(powers, values, axes=1)
     return terms[0], terms[1], 2.0 * terms[2] if len(t) > 2 else 0.0 * terms[0]

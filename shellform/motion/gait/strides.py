@@ -57,7 +57,7 @@ def strides(motion: Recording | Wearer) -> dict[str, np.ndarray]:
     Examples
     --------
     >>> walk = sf.synthetic_walk(strides=3, obstacle=0.0)
-    >>> {side: len(found) for side, found in strides(walk).items()}
+    >>> {side: len(found) for side, found in sf.strides(walk).items()}
     {'right': 2, 'left': 2}
     """
     recording = _recording(motion)

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The membrane of 4-node quads by six lengths: energy, force and tangent: Eqs. 12, 13, 14.
+
+With s the lengths of a cell less those at rest (segment_forms.py), E = B s and the modes m_k of
+bending in plane (six_lengths.py), and the law psi (membrane_law.py),
+
+    energy    area psi(B s) + sum over k of (m_k . s)^2/2
+    pulls     f = area B^T psi'(B s) + sum over k of (m_k . s) m_k
+    force     f . s'(w) v
+    tangent   s'(w) dw . (area B^T psi'' B + sum over k of m_k m_k^T) s'(w) v + f . s''(w) dw v.
+
+Cells that wrinkle have next to no stiffness of their own: the tangent, not the force, gets a small
+part of that of the taut sheet.
+"""
+
+from petsc4py import PETSc
+
+import numpy as np
+
+from meshes import Surface
+from shellform.material.energy import StVenant, is_quadratic
+from shellform.material.sheet import Sheet
+
+from .dolfinx_compat import cell_nodes, given_cells
+from .membrane_law import Density, MembraneLaw, Quadratic, Relaxed
+from .partition import Partition
+from .segment_forms import WIDTH, SegmentForms
+from .six_lengths import six_lengths
+from .wrinkles import Wrinkles
+
+SPARE_STIFFNESS = 1e-4  # share of the taut stiffness in the tangent of cells that wrinkle
+
+
+class CellMembrane:
+    """Membrane of all cells of this rank.
+
+    Parameters
+    ----------
+    partition : Partition of a surface of 4-node quads; fabric : Sheet; law : StVenant
+    relaxed : True for a sheet that wrinkles below its cells
+    reference : (n_local, 6), nodal field (u, d) at rest; kept, not copied
+
+    Attributes
+    ----------
+    wrinkles : Wrinkles, None if resolved
+    law : MembraneLaw
+    B, modes, area : of the cells, see `six_lengths`
+    """
+
+    def __init__(
+        self,
+        partition: Partition,
+        fabric: Sheet,
+        law: StVenant,
+        reference: np.ndarray,
+        relaxed: bool = False,
+    ):
+        mesh, dofs = partition.mesh, cell_nodes(partition.space)
+        self._index = (6 * dofs[:, :, None] + np.arange(6)).reshape(-1, WIDTH)
+        self._reference, self._partition = reference, partition
+        points = (partition.surface.points[partition.nodes] - partition.origin)[dofs]
+        warp = cell_warp(partition.surface, fabric, partition)
+        self.B, self.modes, self.area = six_lengths(points, warp, np.asarray(fabric.membrane))
+        self._forms = SegmentForms(mesh, points, weighted=relaxed)
+        self._stiffness = np.asarray(fabric.membrane)
+        self.wrinkles: Wrinkles | None = None
+        self.law: MembraneLaw
+        if relaxed:
+            self.wrinkles = Wrinkles(fabric, np.sqrt(self.area))
+            self._forms.arcs = self.wrinkles.arcs
+            self.law = Relaxed(self._stiffness, self.wrinkles)
+        elif is_quadratic(law, "membrane"):
+            self.law = Quadratic(self._stiffness)
+        else:
+            self.law = Density(mesh, law, self._stiffness)
+
+    def strain(self, w: np.ndarray) -> np.ndarray:
+        """Strains (m, 3) of the cells, (E11, E22, 2 E12) along warp and weft, at a nodal field."""
+        return np.einsum("mij,mj->mi", self.B, self._lengths(self._cells(w)))
+
+    def energy(self, w: np.ndarray) -> float:
+        """Energy [J] of this rank's cells at a nodal field w (n_local, 6)."""
+        s = self._lengths(self._cells(w))
+        density, *_ = self.law(np.einsum("mij,mj->mi", self.B, s))
+        bending = np.einsum("mki,mi->mk", self.modes, s)
+        return float(self.area @ density + 0.5 * np.sum(bending**2))
+
+    def add_force(
+        self,
+        out: np.ndarray,
+        w: np.ndarray,
+        stress_from: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> None:
+        """Add the nodal forces to `out` (6 n_local,), ghosts included.
+
+        `stress_from` is (w_, dw_): the stress of the lengths linearised about w_; None: exact.
+        """
+        cells = self._cells(w)
+        forces = self._forms.force(cells, self._pulls(self._stressing(cells, stress_from)))
+        np.add.at(out, self._index.reshape(-1), forces.reshape(-1))
+
+    def add_damping(self, out: np.ndarray, w: np.ndarray, rates: np.ndarray) -> None:
+        """Add the forces of the stiffness at rest times rates (n_local, 6) of the lengths."""
+        cells = self._cells(w)
+        change = self._forms.change(cells, self._cells(rates))
+        strain = np.einsum("mij,mj->mi", self.B, change) @ self._stiffness
+        pulls = self.area[:, None] * np.einsum("mij,mi->mj", self.B, strain)
+        pulls += np.einsum("mki,mkj,mj->mi", self.modes, self.modes, change)
+        forces = self._forms.force(cells, pulls)
+        np.add.at(out, self._index.reshape(-1), forces.reshape(-1))
+
+    def add_tangent(
+        self,
+        out: PETSc.Mat,
+        w: np.ndarray,
+        stress_from: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> None:
+        """Add the derivative of `add_force` to a matrix of the space, not yet assembled."""
+        cells = self._cells(w)
+        s = self._lengths(cells)
+        _, _, tangent = self.law(np.einsum("mij,mj->mi", self.B, s))
+        if self.wrinkles is not None:
+            tangent += SPARE_STIFFNESS * self._stiffness
+        stiffness = np.einsum("mki,mkj->mij", self.modes, self.modes)
+        stiffness += self.area[:, None, None] * (self.B.transpose(0, 2, 1) @ tangent @ self.B)
+        rates = self._forms.rates(cells)
+        values = rates.transpose(0, 2, 1) @ (stiffness @ rates)
+        values += self._forms.geometric(cells, self._pulls(self._stressing(cells, stress_from)))
+        rows = self._index.astype(PETSc.IntType)
+        out.setValuesLocalIJV(
+            np.arange(0, rows.size * WIDTH + 1, WIDTH, dtype=PETSc.IntType),
+            np.repeat(rows, WIDTH, axis=0).reshape(-1),
+            values.reshape(-1),
+            addv=PETSc.InsertMode.ADD_VALUES,
+            rowmap=rows.reshape(-1),
+        )
+
+    def _cells(self, w):
+        return np.reshape(w, -1)[self._index]
+
+    def _lengths(self, cells):
+        return self._forms.lengths(cells) - self._forms.lengths(self._cells(self._reference))
+
+    def _stressing(self, cells, stress_from):
+        if stress_from is None:
+            return self._lengths(cells)
+        before, step = (self._cells(field) for field in stress_from)
+        return self._lengths(before) + self._forms.change(before, step)
+
+    def _pulls(self, s):
+        _, stress, _ = self.law(np.einsum("mij,mj->mi", self.B, s))
+        pulls = self.area[:, None] * np.einsum("mij,mi->mj", self.B, stress)
+        return pulls + np.einsum("mki,mkj,mj->mi", self.modes, self.modes, s)
+
+
+def cell_warp(surface: Surface, fabric: Sheet, partition: Partition) -> np.ndarray | None:
+    """Warp (m, 3) of this rank's cells or (3,) of all; None if all directions are alike."""
+    if not fabric.directional or surface.warp is None:
+        return None
+    warp = np.asarray(surface.warp, float)
+    if warp.ndim == 1:
+        return warp
+    return warp[given_cells(partition.mesh)[: len(cell_nodes(partition.space))]]
