@@ -104,8 +104,6 @@ _HOMES = {
     "check": "shellform.simulation.check",
     "read_fabric": "shellform.material.card",
     "read_motion": "shellform.motion.capture.read_motion",
-    "resume": "shellform.simulation.run",
-    "run": "shellform.simulation.run",
     "strides": "shellform.motion.gait.strides",
     "resume": "shellform.simulation.ensemble",
     "run": "shellform.simulation.ensemble",
