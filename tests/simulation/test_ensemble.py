@@ -135,7 +135,9 @@ def test_ensemble_of_a_short_walk(ensemble):
         error = rms.std(ddof=1) / 3**0.5
         assert numbers["rms_torque_error"] == pytest.approx(error, rel=1e-4)
         assert abs(numbers["peak_torque"]) == pytest.approx(np.abs(within.torque.mean(0)).max())
-        assert numbers["peak_torque_error"] > 0 and numbers["work_error"] > 0
+        touched = numbers["peak_torque"] != 0.0  # the hem may hang free of a foot
+        assert (numbers["peak_torque_error"] > 0) == (numbers["work_error"] > 0) == touched
+        assert touched or joint.endswith("ankle")
     begin, end = results["counted_s"]
     assert within.times[0] > begin and within.times[-1] == pytest.approx(end)
     summary = json.loads((out / "summary.json").read_text())
