@@ -25,6 +25,10 @@ from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
 
+WRINKLES = {
+    "relaxed": "relaxed: those smaller than a cell let go of compression",
+    "resolved": "resolved: cells alone fold",
+}
 SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
 
 
@@ -101,6 +105,8 @@ def plan_lines(plan: dict) -> list[str]:
         model, most = plan["dressing"].values()
         held = f"a belt of {plan['belt']:g} N" if "belt" in plan else "no belt"
         lines.append(f"dressing   by {model} in {most:.1f} s at most, {held}")
+    if "wrinkles" in plan:
+        lines.append(f"wrinkles   {WRINKLES[plan['wrinkles']]}")
     if "runs" in plan:
         runs = "one, without a band" if plan["runs"] == 1 else f"{plan['runs']}, their mean is told"
         lines.append(f"runs       {runs}")
