@@ -12,17 +12,19 @@ to 14) in explicit steps with contact (Eqs. 15 and 16); the torque about the joi
 with f_i the contact force on the body at node i, AJ all of the body below the joint.
 
 What is compared. Torque against time for compliant and for stiff cloth, with its peak, root mean
-square and work over a stride. Forces must balance weight and momentum in every window.
+square and work over a stride, each the mean over several starts with its standard error; whether
+the fabrics differ. Forces must balance weight and momentum in every window.
 
 Source. The paper's Sec. 4.2; the synthetic walk is that of shellform/motion/gait.
 
     python demos/walk.py --out out/walk
-    mpirun -n 2 python demos/walk.py                  # one rank a fabric
+    mpirun -n 2 python demos/walk.py                  # runs are shared out over the ranks
+    python demos/walk.py --runs 1                     # one start, without a band
     python demos/walk.py --motion walk.c3d --fabric stiff
 
 leaves walk.png, torque.png, pressure.png, walk.gif and summary.json in the folder, and a folder a
-fabric with torque.csv, ledger.csv, a series for ParaView, the dressed state and a checkpoint
-(`shellform resume`).
+fabric with torque_mean.csv, torque.csv, ledger.csv, a series for ParaView, the dressed state and a
+checkpoint (`shellform resume`), further starts in run_1, run_2, ...
 """
 
 import argparse
@@ -30,18 +32,17 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-import numpy as np
-
 from shellform import console
 from shellform.accuracy.choice import accuracy_line
-from shellform.results.joint_torque import rows_until
+from shellform.results.comparison import comparison_lines
+from shellform.results.mean_torque import mean_rows
 from shellform.results.report import Report
 from shellform.scene.parts import Contact, Garment, Motion, Output, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of
+from shellform.simulation.ensemble import compare_runs, run_all
 from shellform.simulation.error_study import estimate
 from shellform.simulation.figures import dressing_frames
-from shellform.simulation.run import run
 from shellform.simulation.summary import summary_lines, summary_of
 
 COMM = MPI.COMM_WORLD
@@ -68,6 +69,15 @@ def arguments(given):
     parser.add_argument("--obstacle", type=float, default=0.5, help="height, m; 0 for none")
     parser.add_argument("--seconds", type=positive(float), help="of the motion (default: all)")
     parser.add_argument("--cell-size", type=positive(float), help="m (default: accuracy)")
+    parser.add_argument(
+        "--runs", type=positive(int), help="starts whose mean is told (default: accuracy)"
+    )
+    parser.add_argument(
+        "--wrinkles",
+        choices=("relaxed", "resolved"),
+        default="auto",
+        help="those smaller than a cell: relaxed, or cells alone fold (default: by the cells)",
+    )
     parser.add_argument("--belt", type=float, default=20.0, help="tension, N")
     parser.add_argument("--friction", type=float, default=0.3)
     parser.add_argument("--window", type=positive(float), default=0.02, help="of averages, s")
@@ -82,8 +92,12 @@ def scene_of(options, fabric):
     return Scene(
         fabric=fabric,
         motion=Motion(file=options.motion, obstacle=options.obstacle, end=options.seconds),
-        garment=Garment(cell_size=options.cell_size),
-        steps=Steps(accuracy=options.accuracy, time_step_factor=options.time_step_factor),
+        garment=Garment(cell_size=options.cell_size, wrinkles=options.wrinkles),
+        steps=Steps(
+            accuracy=options.accuracy,
+            runs=options.runs,
+            time_step_factor=options.time_step_factor,
+        ),
         output=Output(window=options.window, frames=options.frames),
         contact=Contact(friction=options.friction),
         belt=options.belt,
@@ -92,17 +106,19 @@ def scene_of(options, fabric):
 
 
 def walk_all(options, names, scenes):
-    """Results by name; ranks form one group a fabric, without enough ranks fabrics take turns."""
-    groups = min(COMM.size, len(names))
-    mine = COMM.rank % groups
-    comm = COMM.Split(mine, COMM.rank)
-    results = {}
-    for name, scene in list(zip(names, scenes, strict=True))[mine::groups]:
-        results[name] = run(scene, options.out / name, comm)
+    """Results by name; runs of all fabrics are shared out over the ranks."""
+    folders = [options.out / name for name in names]
+    results = run_all(list(zip(scenes, folders, strict=True)), COMM)
+    for scene, folder in zip(scenes, folders, strict=True):
         if options.estimate:
-            estimate(scene, options.out / name, comm)
-    parts = COMM.allgather(results)
-    return {name: part[name] for name in names for part in parts if name in part}
+            estimate(scene, folder, COMM)
+    return dict(zip(names, results, strict=True))
+
+
+def compare_all(options, names):
+    """Differences of the fabrics from the first, by name."""
+    first, *others = names
+    return {other: compare_runs(options.out / other, options.out / first) for other in others}
 
 
 def main(given=None):
@@ -113,6 +129,7 @@ def main(given=None):
     with report.stage("solve"):
         results = walk_all(options, names, scenes)
     summaries = [summary_of(options.out / name) for name in names]
+    report.summary["comparison"] = compare_all(options, names)
     if COMM.rank == 0:
         with report.stage("output"):
             draw(options, names, scenes[0])
@@ -120,7 +137,9 @@ def main(given=None):
             print(f"\n{name} trousers")
             print("\n".join(summary_lines(results[name])))
             print(accuracy_line(summary["accuracy"]))
-    keys = ("cells", "nodes", "dofs", "plan", "accuracy", "tricks")
+        for name, found in report.summary["comparison"].items():
+            print("\n" + "\n".join(comparison_lines(found, name, names[0])))
+    keys = ("cells", "nodes", "dofs", "plan", "accuracy", "tricks", "runs")
     report.summary |= {key: summaries[0][key] for key in keys}
     report.write(
         results[names[0]] | {"fabrics": results},
@@ -139,7 +158,7 @@ def draw(options, names, scene):
     from shellform.results.skin_pressure import load
 
     first = options.out / names[0]
-    rows = {name: rows_until(options.out / name / "torque.csv", np.inf) for name in names}
+    rows = {name: mean_rows(options.out / name) for name in names}
     title = f"Trousers of {names[0]} cloth; torque of the clothing on the wearer"
     dressing = dressing_frames(first)
     wearer = wearer_of(scene)

@@ -29,13 +29,14 @@ if TYPE_CHECKING:
     from .material.fabric import Fabric, FabricError
     from .material.laminate import Ply
     from .motion.capture.read_motion import read_motion
+    from .motion.gait.strides import strides
     from .motion.gait.synthetic_walk import synthetic_walk
     from .motion.wearer import Wearer
     from .results.joint_torque import Torque
     from .results.ledger import Ledger
     from .scene.scene import Scene
     from .simulation.check import check
-    from .simulation.run import resume, run
+    from .simulation.ensemble import resume, run
     from .statics.load_stepping import Statics
 
 __version__ = "0.1.0"
@@ -61,6 +62,7 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     "read_motion",
     "synthetic_walk",
     "Wearer",
+    "strides",
     # results
     "Ledger",
     "Torque",
@@ -104,6 +106,9 @@ _HOMES = {
     "read_motion": "shellform.motion.capture.read_motion",
     "resume": "shellform.simulation.run",
     "run": "shellform.simulation.run",
+    "strides": "shellform.motion.gait.strides",
+    "resume": "shellform.simulation.ensemble",
+    "run": "shellform.simulation.ensemble",
     "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
 

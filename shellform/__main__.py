@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | trade | run | resume`, also as `python -m shellform`.
+"""The command: `shellform new | check | trade | run | resume | compare`.
+
+Also as `python -m shellform`.
 
     shellform new scene.toml        writes a commented scene to start from
     shellform check scene.toml      says what would be modelled and what it would cost
     shellform trade scene.toml      says what errors cost: cells, step, time, memory for each
     shellform run scene.toml        dresses the wearer, plays the motion, reports torques
     shellform resume out/scene      goes on with a run that was stopped
+    shellform compare out/a out/b   says whether two runs differ in their torques
 
 Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
 """
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from mpi4py import MPI
@@ -38,12 +42,14 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 [garment]
 # size = "large-regular"    # or file = "trousers.obj" with an edge named "waist"
 # measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
+# wrinkles = "auto"         # those smaller than a cell: "relaxed", or "resolved" by cells alone
 
 [contact]
 friction = 0.3
 
 [steps]
 accuracy = "draft"          # standard, fine, or a percentage
+# runs = 3                  # starts whose mean is told; by the accuracy
 
 [output]
 window_s = 0.02             # torques are means over this time
@@ -84,10 +90,20 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="a second run with other cells, to estimate the error reached",
     )
+    run.add_argument(
+        "--runs",
+        type=console.positive(int),
+        help="starts whose mean is told (default: what the accuracy needs)",
+    )
     resume = kinds.add_parser(
         "resume", allow_abbrev=False, help="go on with a run that was stopped"
     )
     resume.add_argument("out", type=Path, help="folder of the run")
+    compare = kinds.add_parser(
+        "compare", allow_abbrev=False, help="say whether two runs differ in their torques"
+    )
+    compare.add_argument("one", type=Path, help="folder of a run")
+    compare.add_argument("other", type=Path, help="folder of another, with other cloth or garment")
     for kind in (run, resume):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
     return top
@@ -113,8 +129,14 @@ def main(given: Sequence[str] | None = None) -> None:
         console.say(lines)
     elif options.do == "run":
         _run(options)
+    elif options.do == "compare":
+        from shellform.results.comparison import comparison_lines
+        from shellform.simulation.ensemble import compare_runs
+
+        found = compare_runs(options.one, options.other)
+        console.say(comparison_lines(found, str(options.one), str(options.other)))
     else:
-        from shellform.simulation.run import resume
+        from shellform.simulation.ensemble import resume
 
         _show(options.out, resume(options.out), options.no_pictures)
 
@@ -129,10 +151,12 @@ def _new(path: Path) -> None:
 def _run(options: argparse.Namespace) -> None:
     """Run a scene, and with --estimate a second one with other cells."""
     from shellform.scene.scene_file import read_scene
+    from shellform.simulation.ensemble import run
     from shellform.simulation.error_study import check_cells, estimate
-    from shellform.simulation.run import run
 
     out, scene = options.out or Path("out") / options.scene.stem, read_scene(options.scene)
+    if options.runs:
+        scene = replace(scene, steps=replace(scene.steps, runs=options.runs))
     if options.estimate:
         check_cells(scene, "--estimate")
     results = run(scene, out, dressed=options.dressed)

@@ -24,6 +24,8 @@ from contact.kernel import kernel
 
 SLENDER = 1e9  # longest over shortest semi-axis: from there on roundoff of one exceeds the other
 MAX_ITERATIONS = 200  # below 20 are needed, log-bisections included
+CLOSE = 0.1  # of w: steps that get their term of second order
+NEARLY = 3e-6  # of w: the cube of it is below roundoff
 
 
 @kernel
@@ -39,28 +41,34 @@ def level(x: np.ndarray, radii: np.ndarray) -> float:
 
 
 @kernel
-def _root(z0, z1, z2, e0, e1, e2):
-    """Root w > 0 of sum_i (p_i / (w + e_i))^2 = 1, p_i = (1 + e_i) z_i, one e_i = 0, all >= 0.
+def _root(p0, p1, p2, e0, e1, e2):
+    """Root w > 0 of S(w) = sum_i (p_i / (w + e_i))^2 = 1, one e_i = 0, all >= 0.
 
-    Newton on 1/sqrt(sum) - 1, which is concave and nearly straight near a pole: from the left it
-    never overshoots. A step that leaves the bracket, or that did not bring the residual down to a
-    quarter, gives way to a bisection in log w.
+    S falls for w > 0: a positive root is the only one, wherever the search began. With weights
+    u_i^2 = (p_i / (w + e_i))^2 and means <.> over them, f = 1/sqrt(S) - 1 has
+
+        f' = <1/(w + e)> / sqrt(S),   f'' / f' = -3 Var(1/(w + e)) / <1/(w + e)>,
+
+    so f is concave and nearly straight, also near a pole: Newton from the left never overshoots.
+    The search begins at w = 1, the root of points on the surface, unless the bounds are far from
+    it. Near the root a term with f'' is added; the error is then of third order in the step, below
+    roundoff for steps below NEARLY. A step that leaves the bracket, or that did not bring the
+    residual down to a quarter, gives way to a bisection in log w.
     """
-    p0, p1, p2 = z0 + e0 * z0, z1 + e1 * z1, z2 + e2 * z2
     low = max(p0 if e0 == 0.0 else 0.0, p1 if e1 == 0.0 else 0.0, p2 if e2 == 0.0 else 0.0)
     high = np.sqrt(p0 * p0 + p1 * p1 + p2 * p2)
-    if z0 * z0 + z1 * z1 + z2 * z2 < 1.0:
-        high = min(high, 1.0)
     # every single term puts the root above p - e; those with e > 0 lose digits: a start, no bound
-    w = max(low, p0 - e0, p1 - e1, p2 - e2)
+    start = max(low, p0 - e0, p1 - e1, p2 - e2)
+    w = 1.0 if start < 1.0 < high else start
     before = np.inf
     for _ in range(MAX_ITERATIONS):
         # a term without numerator may have no denominator either
-        d0 = w + e0 if p0 > 0.0 else 1.0
-        d1 = w + e1 if p1 > 0.0 else 1.0
-        d2 = w + e2 if p2 > 0.0 else 1.0
-        u0, u1, u2 = p0 / d0, p1 / d1, p2 / d2
-        total = u0 * u0 + u1 * u1 + u2 * u2
+        r0 = 1.0 / (w + e0 if p0 > 0.0 else 1.0)
+        r1 = 1.0 / (w + e1 if p1 > 0.0 else 1.0)
+        r2 = 1.0 / (w + e2 if p2 > 0.0 else 1.0)
+        u0, u1, u2 = p0 * r0, p1 * r1, p2 * r2
+        u0, u1, u2 = u0 * u0, u1 * u1, u2 * u2
+        total = u0 + u1 + u2
         if total >= 1.0:
             low = max(low, w)
         else:
@@ -68,8 +76,16 @@ def _root(z0, z1, z2, e0, e1, e2):
         residual = abs(total - 1.0)
         if residual <= 4e-16 or high <= low * (1.0 + 3e-16):
             break
-        slope = u0 * u0 / d0 + u1 * u1 / d1 + u2 * u2 / d2
-        ahead = w + total * (np.sqrt(total) - 1.0) / slope
+        u0, u1, u2 = u0 * r0, u1 * r1, u2 * r2
+        slope = u0 + u1 + u2
+        step = total * (np.sqrt(total) - 1.0) / slope
+        if abs(step) < CLOSE * w:
+            spread = (u0 * r0 + u1 * r1 + u2 * r2) / slope - slope / total
+            ahead = w + step * (1.0 + 1.5 * spread * step)
+            if abs(step) < NEARLY * w and low <= ahead <= high:
+                return ahead
+        else:
+            ahead = w + step
         before, poor = residual, residual > 0.25 * before
         if poor or not low <= ahead <= high:
             ahead = np.sqrt(low) * np.sqrt(high) if low > 0.0 else 0.5 * high
@@ -91,20 +107,30 @@ def foot_and_normal(
     distance, x0, x1, x2, n0, n1, n2 : signed distance [m] (negative inside), foot [m], unit normal
     """
     shortest = min(r0, r1, r2)
-    q0, q1, q2 = r0 / shortest, r1 / shortest, r2 / shortest
-    e0 = (r0 - shortest) / shortest * (q0 + 1.0)
-    e1 = (r1 - shortest) / shortest * (q1 + 1.0)
-    e2 = (r2 - shortest) / shortest * (q2 + 1.0)
+    e0, e1, e2 = _excess(r0, shortest), _excess(r1, shortest), _excess(r2, shortest)
+    return _foot(y0, y1, y2, r0, r1, r2, shortest, e0, e1, e2)
+
+
+@kernel
+def _excess(r, shortest):
+    """q^2 - 1 of q = r / shortest, exactly zero for the shortest."""
+    return (r - shortest) / shortest * (r / shortest + 1.0)
+
+
+@kernel
+def _foot(y0, y1, y2, r0, r1, r2, shortest, e0, e1, e2):
+    """`foot_and_normal` from semi-axes, the shortest of them and their `_excess`."""
     z0, z1, z2 = abs(y0) / r0, abs(y1) / r1, abs(y2) / r2
+    p0, p1, p2 = z0 + e0 * z0, z1 + e1 * z1, z2 + e2 * z2
     # below this an offset from the symmetry plane would only underflow
     plane = 1e-150
     u0, u1, u2 = 0.0, 0.0, 0.0
     # on the level of the symmetry plane, w -> 0: no term of the shortest axes
     in_plane = (e0 > 0.0 or z0 < plane) and (e1 > 0.0 or z1 < plane) and (e2 > 0.0 or z2 < plane)
     if in_plane:
-        u0 = (z0 + e0 * z0) / e0 if e0 > 0.0 else 0.0
-        u1 = (z1 + e1 * z1) / e1 if e1 > 0.0 else 0.0
-        u2 = (z2 + e2 * z2) / e2 if e2 > 0.0 else 0.0
+        u0 = p0 / e0 if e0 > 0.0 else 0.0
+        u1 = p1 / e1 if e1 > 0.0 else 0.0
+        u2 = p2 / e2 if e2 > 0.0 else 0.0
     rest = 1.0 - (u0 * u0 + u1 * u1 + u2 * u2)
     w = 0.0
     if in_plane and rest >= 0.0:
@@ -115,14 +141,14 @@ def foot_and_normal(
         else:
             u0 = np.sqrt(rest)
     else:
-        w = _root(z0, z1, z2, e0, e1, e2)
-        u0 = (z0 + e0 * z0) / (w + e0) if z0 > 0.0 else 0.0
-        u1 = (z1 + e1 * z1) / (w + e1) if z1 > 0.0 else 0.0
-        u2 = (z2 + e2 * z2) / (w + e2) if z2 > 0.0 else 0.0
+        w = _root(p0, p1, p2, e0, e1, e2)
+        u0 = p0 / (w + e0) if z0 > 0.0 else 0.0
+        u1 = p1 / (w + e1) if z1 > 0.0 else 0.0
+        u2 = p2 / (w + e2) if z2 > 0.0 else 0.0
     u0 = -u0 if y0 < 0.0 else u0
     u1 = -u1 if y1 < 0.0 else u1
     u2 = -u2 if y2 < 0.0 else u2
-    g0, g1, g2 = u0 / q0, u1 / q1, u2 / q2
+    g0, g1, g2 = u0 * shortest / r0, u1 * shortest / r1, u2 * shortest / r2
     gradient = np.sqrt(g0 * g0 + g1 * g1 + g2 * g2)
     # y - x = (w - 1) r_min g: no difference of nearby points
     return (
@@ -204,7 +230,7 @@ def semi_axes(name: str, radii: ArrayLike) -> np.ndarray:
 
 @kernel
 def _foot_and_normal(size, y0, y1, y2):
-    return foot_and_normal(y0, y1, y2, size[0], size[1], size[2])
+    return _foot(y0, y1, y2, size[0], size[1], size[2], size[3], size[4], size[5], size[6])
 
 
 @kernel
@@ -226,8 +252,9 @@ class Ellipsoid:
 
     @property
     def size(self) -> tuple[float, ...]:
-        """The semi-axes and the shortest of them [m]."""
-        return (*self.radii, min(self.radii))
+        """The semi-axes and the shortest of them [m], and what `_excess` gives for each."""
+        shortest = min(self.radii)
+        return (*self.radii, shortest, *(_excess(r, shortest) for r in self.radii))
 
     @property
     def half_extents(self) -> tuple[float, float, float]:

@@ -20,7 +20,7 @@ from .capsule import Capsule
 from .ellipsoid import Ellipsoid
 
 SHAPES: tuple[type, ...] = (Ellipsoid, Capsule)
-SIZES = 4  # numbers that a shape may have
+SIZES = 7  # numbers that a shape may have
 
 # what kernels know of a shape; part of the record of a segment (contact.solver.segment_motion)
 SHAPE_FIELDS = [

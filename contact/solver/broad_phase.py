@@ -19,6 +19,7 @@ from contact.geometry.shape import foot_and_normal, least_distance
 from contact.kernel import kernel
 
 from .segment_motion import turned_by
+from .step_record import ALLOWED, FAR
 
 STEPS = 12  # that a measurement should last
 LEAST = 1e-3  # margin in smallest inner radii
@@ -44,26 +45,72 @@ def surface_motion(segments: np.ndarray, offset: float) -> tuple[float, float]:
 
 
 @kernel
-def clearance_left(x: np.ndarray, path: float, motion: float, node: Any) -> float:
-    """What is left [m] of the clearance of a node for its step, the body's motion taken off."""
-    d0, d1, d2 = x[0] - node.place[0], x[1] - node.place[1], x[2] - node.place[2]
-    return node.clearance - np.sqrt(d0 * d0 + d1 * d1 + d2 * d2) - (path - node.path) - motion
+def clearance_left(x: np.ndarray, i: int, path: float, motion: float, look: np.ndarray) -> float:
+    """What is left [m] of the clearance of node i for its step, the body's motion taken off.
+
+    look : (5, n), see `LOOK`
+    """
+    d0, d1, d2 = x[i, 0] - look[0, i], x[i, 1] - look[1, i], x[i, 2] - look[2, i]
+    return look[3, i] - np.sqrt(d0 * d0 + d1 * d1 + d2 * d2) - (path - look[4, i]) - motion
+
+
+@kernel
+def mark_away(
+    x: np.ndarray,
+    v: np.ndarray,
+    mass: np.ndarray,
+    dt: float,
+    path: float,
+    motion: float,
+    fixed: np.ndarray,
+    sets: np.ndarray,
+    look: np.ndarray,
+    away: np.ndarray,
+) -> None:
+    """Fill away (n,) float: >= 0 for nodes whose step cannot come near a segment, as most cannot.
+
+    Nodes that are not finite get a number that is not. Loops without branches, with few arrays and
+    strides that the compiler knows, which run in vector registers.
+    """
+    place, speed = x.reshape(x.size), v.reshape(v.size)
+    p0, p1, p2, clearance, since = look[0], look[1], look[2], look[3], look[4]
+    allowed, far = sets[ALLOWED], sets[FAR]
+    for i in range(len(away)):
+        d0, d1, d2 = place[3 * i] - p0[i], place[3 * i + 1] - p1[i], place[3 * i + 2] - p2[i]
+        away[i] = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+    for i in range(len(away)):
+        v0, v1, v2 = speed[3 * i], speed[3 * i + 1], speed[3 * i + 2]
+        reach = dt * np.sqrt(v0 * v0 + v1 * v1 + v2 * v2)
+        away[i] = clearance[i] - away[i] - (path - since[i]) - motion - reach
+    for i in range(len(away)):
+        left = away[i]
+        kept = left if (allowed[i] & ~far[i]) == 0 else -1.0
+        kept = 0.0 if fixed[i] & (left - left == 0.0) else kept
+        away[i] = kept if (mass[i] > 0.0) & (mass[i] < np.inf) else -1.0
 
 
 @kernel
 def measure(
-    x: np.ndarray, path: float, margin: float, segments: np.ndarray, offset: float, node: Any
+    x: np.ndarray,
+    i: int,
+    path: float,
+    margin: float,
+    segments: np.ndarray,
+    offset: float,
+    sets: np.ndarray,
+    look: np.ndarray,
 ) -> int:
-    """Measure how far a node is from the segments that it can touch; fills its record.
+    """Measure how far node i is from the segments that it can touch; fills its look.
 
     Others are not far: it may be able to touch them later. Returns closest points evaluated.
     """
-    evaluated, near, clearance = 0, ~node.allowed, np.inf
+    x0, x1, x2, allowed = x[i, 0], x[i, 1], x[i, 2], sets[ALLOWED, i]
+    evaluated, near, clearance = 0, ~allowed, np.inf
     for b in range(len(segments)):
         segment = segments[b]
-        if not (node.allowed >> segment.bit) & 1:
+        if not (allowed >> segment.bit) & 1:
             continue
-        q0, q1, q2 = x[0] - segment.centre[0], x[1] - segment.centre[1], x[2] - segment.centre[2]
+        q0, q1, q2 = x0 - segment.centre[0], x1 - segment.centre[1], x2 - segment.centre[2]
         gap = np.sqrt(q0 * q0 + q1 * q1 + q2 * q2) - segment.bounding_radius - offset
         if KEPT * gap <= margin:
             y0, y1, y2 = turned_by(segment.axes, q0, q1, q2)
@@ -77,6 +124,32 @@ def measure(
             clearance = min(clearance, KEPT * gap - segment.roundoff)
     if clearance == np.inf:  # all are near: measure again some time
         clearance = 2.0 * margin
-    node.place[0], node.place[1], node.place[2] = x[0], x[1], x[2]
-    node.far, node.clearance, node.path = ~near, clearance, path
+    look[0, i], look[1, i], look[2, i] = x0, x1, x2
+    look[3, i], look[4, i] = clearance, path
+    sets[FAR, i] = ~near
     return evaluated
+
+
+@kernel
+def may_meet(
+    x: np.ndarray,
+    i: int,
+    reach: float,
+    work: Any,
+    segments: np.ndarray,
+    sets: np.ndarray,
+    look: np.ndarray,
+) -> bool:
+    """Whether a step of node i of length `reach` [m] can come near a segment; measures if needed.
+
+    `work.clearance` is set.
+    """
+    left = clearance_left(x, i, work.path, work.motion, look)
+    if left < reach and work.motion < np.inf:
+        margin = max(STEPS * (reach + work.motion), LEAST * work.thinnest)
+        work.evaluated += measure(x, i, work.path, margin, segments, work.offset, sets, look)
+        left = clearance_left(x, i, work.path, work.motion, look)
+    if left < reach:
+        sets[FAR, i] = 0
+    work.clearance = left
+    return (sets[ALLOWED, i] & ~sets[FAR, i]) != 0

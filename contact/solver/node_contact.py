@@ -17,7 +17,7 @@ from contact.kernel import kernel
 from .contact_ledger import book_impulse
 from .nearest_step import EJECTION, PINCHED, nearest_step
 from .plane_friction import friction_kernel
-from .soft_contact import from_cloth, opposed, soft_pushes
+from .soft_contact import bed_stiffness, from_cloth, opposed, soft_pushes
 from .supporting_planes import find_planes, keep_one_exit
 
 
@@ -162,6 +162,8 @@ def node_kernel(kinetic_coefficient: Callable) -> Any:
             pinch, depth = max(pinch, depth), 0.0
         if work.pushing == PINCHED or work.soft:
             work.pinched += 1
+        if work.bed > 0.0:
+            work.beds = bed_stiffness(planes, work, segments)
         for c in range(3):
             work.change[c] = 0.0
             for k in range(work.count + work.soft):

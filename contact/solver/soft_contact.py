@@ -28,6 +28,7 @@ import numpy as np
 from contact.geometry.shape import foot_and_normal
 from contact.kernel import kernel
 
+from .nearest_step import PINCHED
 from .segment_motion import drift_of, turned_by
 from .supporting_planes import set_plane
 
@@ -102,6 +103,24 @@ def opposed(planes: np.ndarray, count: int, segments: np.ndarray, every: bool) -
             if p[0] * q[0] + p[1] * q[1] + p[2] * q[2] < 0.0:
                 out |= (1 << one.bit) | (1 << other.bit)
     return out
+
+
+@kernel
+def bed_stiffness(planes: np.ndarray, work: Any, segments: np.ndarray) -> float:
+    """Stiffness [Pa/m] of the beds that press the node at work from opposite sides.
+
+    The sum over all segments whose pushes are turned against one of another segment; infinite where
+    these are hard; zero where the node is free or pressed from one side only. `work.bed` is that of
+    one segment; planes : (m,) PLANE, `count` hard ones, then `soft` ones.
+    """
+    both = opposed(planes, work.count + work.soft, segments, work.pushing == PINCHED)
+    if both == 0:
+        return 0.0
+    stiffness = 0.0
+    while both:
+        both &= both - 1
+        stiffness += work.bed
+    return stiffness
 
 
 @kernel

@@ -18,6 +18,7 @@ STEP = np.dtype(
         ("recovery_speed", float),  # greatest of a node that is moved out of a body [m/s]
         ("recovery", float),  # way out of a body in one step for a node that starts inside [m]
         ("flesh", float),  # stiffness of soft segments over areal mass [1/s^2], see soft_contact.py
+        ("bed", float),  # stiffness of one segment as a bed of the cloth [Pa/m]; 0: not asked for
         # motion of the body
         ("path", float),  # way of the surfaces in all steps before [m]
         ("motion", float),  # most that any surface point moves in this one [m]
@@ -38,6 +39,7 @@ STEP = np.dtype(
         ("trial", float, 3),  # step with friction, before normals
         ("change", float, 3),  # of the velocity by contact [m/s]
         ("impulse", float, 3),  # of one plane [N s]
+        ("beds", float),  # stiffness of the segments that press it from opposite sides [Pa/m]
         ("clearance", float),  # what is left of the node's clearance [m], see broad_phase.py
         # the node at work: planes found
         ("count", np.int64),  # of hard segments
@@ -52,19 +54,19 @@ STEP = np.dtype(
     align=True,
 )
 
-# one record per node, kept from step to step
+# what nodes keep from step to step: rows of whole numbers (SETS, n), of floats (LOOK, n) and guards
+# (n, GUARDS, GUARD), so that the loop over all nodes reads no more than it needs
+ALLOWED = 0  # set of segments a node can touch
+FAR = 1  # set of segments that were not near, see broad_phase.py
+SEGMENT_TOUCHED = 2  # in the last step, -1: none
+PENETRATED = 3  # set of soft segments it lies in
+SETS = 4
+LOOK = 5  # place where distances were measured (3) [m]; clearance, way of the surfaces [m]
+GUARDS, GUARD = 2, 5  # see guard_planes.py
+
+# the node at work where several segments may hold it
 NODE = np.dtype(
-    [
-        ("allowed", np.int64),  # set of segments it can touch
-        ("segment", np.int64),  # touched in the last step, -1: none
-        ("penetrated", np.int64),  # set of soft segments it lies in
-        # broad phase, see broad_phase.py
-        ("place", float, 3),  # where distances were measured [m]
-        ("far", np.int64),  # set of segments that were not near
-        ("clearance", float),  # distance to the nearest of these [m]; negative: measure anew
-        ("path", float),  # way of the surfaces up to then [m]
-        ("fixed", np.bool_),  # of prescribed motion: left alone
-    ],
+    [("allowed", np.int64), ("far", np.int64), ("segment", np.int64), ("penetrated", np.int64)],
     align=True,
 )
 

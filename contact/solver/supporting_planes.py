@@ -45,20 +45,21 @@ PLANE = np.dtype(
 
 
 @kernel
-def _first_contact(segment, y0, y1, y2, p0, p1, p2, offset):
+def first_contact(segment, y0, y1, y2, p0, p1, p2, offset, foot):
     """Where the path y + tau p, 0 <= tau <= 1, first comes to the offset surface.
 
     The distance to a convex set is convex along a line, so Newton from outside never passes the
-    place. Returns tau (2: not met), evaluations, unit normal, height of y over the plane there.
+    place. foot : what `foot_and_normal` gives for y. Returns tau (2: not met), evaluations, unit
+    normal, height of y over the plane there.
     """
     tau = 0.0
     near = 1e-12 * segment.inner_radius
-    for evaluated in range(1, MAX_ADVANCES + 1):
-        d, x0, x1, x2, n0, n1, n2 = foot_and_normal(
-            segment, y0 + tau * p0, y1 + tau * p1, y2 + tau * p2
-        )
+    for evaluated in range(MAX_ADVANCES):
+        if evaluated > 0:
+            foot = foot_and_normal(segment, y0 + tau * p0, y1 + tau * p1, y2 + tau * p2)
+        d, x0, x1, x2, n0, n1, n2 = foot
         slope = n0 * p0 + n1 * p1 + n2 * p2
-        if d - offset <= near or (slope < 0.0 and evaluated == MAX_ADVANCES):
+        if d - offset <= near or (slope < 0.0 and evaluated == MAX_ADVANCES - 1):
             over = n0 * (y0 - x0) + n1 * (y1 - x1) + n2 * (y2 - x2) - offset
             return tau, evaluated, n0, n1, n2, over
         if slope >= 0.0:
@@ -165,7 +166,8 @@ def find_planes(
         way = np.sqrt(p0 * p0 + p1 * p1 + p2 * p2)
         if least_distance(segment, y0, y1, y2) > offset + way:
             continue
-        distance, _, _, _, n0, n1, n2 = foot_and_normal(segment, y0, y1, y2)
+        foot = foot_and_normal(segment, y0, y1, y2)
+        distance, _, _, _, n0, n1, n2 = foot
         work.evaluated += 1
         gap = distance - offset
         if gap > way:
@@ -175,7 +177,9 @@ def find_planes(
             continue  # first see where the planes found lead
         if long:
             p0, p1, p2 = turned_by(segment.end_axes, p0, p1, p2)
-            met, more, n0, n1, n2, gap = _first_contact(segment, y0, y1, y2, p0, p1, p2, offset)
+            met, more, n0, n1, n2, gap = first_contact(
+                segment, y0, y1, y2, p0, p1, p2, offset, foot
+            )
             work.evaluated += more
             if met >= soonest:
                 continue

@@ -16,113 +16,35 @@ the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
 import math
-from collections.abc import Callable
-from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.body.pose_check import body_jumps
-from contact.body.segment_sets import SETS
+from contact.body.segment_sets import SETS as BITS
 from contact.body.segments import Body, Pose
-from contact.kernel import kernel
 
-from .broad_phase import LEAST, STEPS, clearance_left, measure, surface_motion
 from .contact_ledger import Ledger
+from .correction_step import correction_kernel
 from .friction import Friction, as_friction
-from .node_contact import node_kernel
-from .segment_motion import in_reach, move_segments, segment_records
-from .step_record import NODE, set_friction, step_record
+from .segment_motion import move_segments, segment_records
+from .step_record import (
+    ALLOWED,
+    FAR,
+    GUARD,
+    GUARDS,
+    LOOK,
+    NODE,
+    PENETRATED,
+    SEGMENT_TOUCHED,
+    SETS,
+    set_friction,
+    step_record,
+)
 from .supporting_planes import PLANE
 
 EVERY = 2**63 - 1  # all segments
-
-
-@kernel
-def begin_step(dt: float, work: Any, segments: np.ndarray) -> None:
-    """Settings of a step of dt [s], bounds on the motion of the body; counts are set to zero."""
-    work.dt, work.recovery = dt, work.recovery_speed * dt
-    work.motion, work.thinnest = surface_motion(segments, work.offset)
-    work.evaluated, work.active, work.sticking, work.pinched = 0, 0, 0, 0
-    work.max_depth = work.pinch_depth = 0.0
-
-
-@kernel
-def end_step(work: Any, nodes: np.ndarray) -> None:
-    """Add the motion of the body to its way; where it has no bound all is measured anew."""
-    if work.motion < np.inf:
-        work.path += work.motion
-        return
-    work.path = 0.0
-    for i in range(len(nodes)):
-        nodes[i].clearance, nodes[i].path = -1.0, 0.0
-
-
-@kernel
-def may_meet(x: np.ndarray, reach: float, node: Any, work: Any, segments: np.ndarray) -> bool:
-    """Whether a step of length `reach` [m] can come near a segment; measures again if needed."""
-    left = clearance_left(x, work.path, work.motion, node)
-    if left < reach and work.motion < np.inf:
-        margin = max(STEPS * (reach + work.motion), LEAST * work.thinnest)
-        work.evaluated += measure(x, work.path, margin, segments, work.offset, node)
-        left = clearance_left(x, work.path, work.motion, node)
-    if left < reach:
-        node.far = 0
-    work.clearance = left
-    may = node.allowed & ~node.far
-    return may != 0 and in_reach(x, reach, segments, may)
-
-
-@cache
-def correction_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel correct(x, v, old, mass, dt, nodes, work, segments, planes, *books) of a law.
-
-    One step of contact for all nodes, see VelocityCorrection; 0, or the number + 1 of a node that
-    is not finite. books : impulse (n, 3) and table (m, BOOKED) of this step, filled, and those of
-    the window, added to.
-    """
-    correct_node = node_kernel(kinetic_coefficient)
-
-    @kernel
-    def correct(
-        x, v, old, mass, dt, nodes, step, segments, planes, impulse, book, window, window_book
-    ):
-        work = step[0]
-        begin_step(dt, work, segments)
-        path, motion = work.path, work.motion
-        book[:] = 0.0
-        for i in range(len(x)):
-            total = x[i, 0] + x[i, 1] + x[i, 2] + v[i, 0] + v[i, 1] + v[i, 2]
-            if not (np.isfinite(total) and 0.0 < mass[i] < np.inf):
-                return i + 1
-            for c in range(3):
-                impulse[i, c] = 0.0
-            node = nodes[i]
-            reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2)
-            left = clearance_left(x[i], path, motion, node)
-            # most nodes: far from all that they can touch
-            away = left >= reach and node.allowed & ~node.far == 0
-            if node.fixed or away or not may_meet(x[i], reach, node, work, segments):
-                node.segment, node.penetrated = -1, 0
-                continue
-            for c in range(3):
-                work.kick[c] = v[i, c] - old[i, c]
-            node.segment, depth, pinch = correct_node(
-                x[i], v[i], mass[i], node, work, segments, planes, book
-            )
-            work.max_depth = max(work.max_depth, depth)
-            work.pinch_depth = max(work.pinch_depth, pinch)
-            if node.segment >= 0:
-                for c in range(3):
-                    v[i, c] += work.change[c]
-                    impulse[i, c] = mass[i] * work.change[c]
-                    window[i, c] += impulse[i, c]
-        window_book += book
-        end_step(work, nodes)
-        return 0
-
-    return correct
+LOOKS = 1 + LOOK + GUARDS * GUARD  # numbers a node in `VelocityCorrection.looks`
 
 
 class VelocityCorrection:
@@ -173,10 +95,12 @@ class VelocityCorrection:
             raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
         if not flesh > 0:
             raise ValueError(f"the stiffness of soft segments is positive, not {flesh}")
-        self._nodes = np.zeros(nodes, NODE)
-        self._nodes["clearance"] = -1.0
-        self.fixed, self.allowed = self._nodes["fixed"], self._nodes["allowed"]
-        self.segment, self.penetrated = self._nodes["segment"], self._nodes["penetrated"]
+        self._sets, self._look = np.zeros((SETS, nodes), np.int64), np.zeros((LOOK, nodes))
+        self._guards, self._away = np.zeros((nodes, GUARDS, GUARD)), np.zeros(nodes)
+        self._clearance = self._look[3]
+        self._clearance[:] = -1.0
+        self.fixed, self.allowed = np.zeros(nodes, bool), self._sets[ALLOWED]
+        self.segment, self.penetrated = self._sets[SEGMENT_TOUCHED], self._sets[PENETRATED]
         self.segment[:] = -1
         for name, array, given in (
             ("fixed", self.fixed, False if fixed is None else fixed),
@@ -187,9 +111,9 @@ class VelocityCorrection:
             array[:] = given
         self.body = body
         self._segments = segment_records(body)
-        if flesh < np.inf and self._segments["bit"].max() == SETS:
+        if flesh < np.inf and self._segments["bit"].max() == BITS:
             raise ValueError(
-                f"of {len(body.shapes)} segments that move by themselves only {SETS} can be told "
+                f"of {len(body.shapes)} segments that move by themselves only {BITS} can be told "
                 "apart as soft ones; give several one carrier, or leave them hard"
             )
         self._friction = as_friction(friction)
@@ -199,6 +123,8 @@ class VelocityCorrection:
         self._step["flesh"], self._step["recovery_speed"] = flesh, recovery
         self._work = self._step[0]
         self._planes = np.zeros(2 * len(self._segments), PLANE)
+        self._gaps, self._node = np.zeros(len(self._segments)), np.zeros(1, NODE)
+        self._beds = np.zeros(0)
         self._extents = np.array([shape.half_extents for shape in body.shapes], float)
         m = len(self._segments)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
@@ -238,7 +164,8 @@ class VelocityCorrection:
         self._move(t, t + dt)
         last, window = self.last, self.window
         bad = self._correct(
-            x, v, old, mass, dt, self._nodes, self._step, self._segments, self._planes,
+            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._guards, self._away,
+            self._gaps, self._node, self._step, self._segments, self._planes, self._beds,
             last.impulse, last.table, window.impulse, window.table,
         )  # fmt: skip
         if bad:
@@ -272,7 +199,7 @@ class VelocityCorrection:
         if start == self._end_time:
             self._start, self._end = self._end, self._start
         else:
-            self._nodes["clearance"] = -1.0
+            self._clearance[:] = -1.0
             if start != self._start_time:
                 self.body.pose(start, self._start)
         self.body.pose(end, self._end)
@@ -336,27 +263,39 @@ class VelocityCorrection:
         for name in ("max_depth", "pinch_depth"):
             self._work[name] = max(self._work[name], other._work[name])
 
+    def watch_beds(self, stiffness: float = np.inf) -> np.ndarray:
+        """Array (n,) [Pa/m], filled in every step from now on; zero until the next one.
+
+        What each node is bedded on where segments press it from opposite sides: the sum of their
+        `stiffness` [Pa/m], that of soft ones; without flesh they are hard and it is infinite. Zero
+        where a node is free or pressed from one side only.
+        """
+        if not len(self._beds):
+            self._beds = np.zeros(len(self.segment))
+        self._step["bed"] = stiffness if self._work["flesh"] < np.inf else np.inf
+        return self._beds
+
     def reset(self) -> None:
         """Begin a new window."""
         self.window.clear()
 
     def looks(self) -> tuple[np.ndarray, np.ndarray]:
-        """What steps so far have found out of reach: (n, 6), way [m] and time [s] of the body.
+        """What steps so far have found out of reach: (n, LOOKS), way [m] and time [s] of the body.
 
         It leaves out planes that do not push, which changes last digits at most: who goes on bit
         for bit needs it. Sets of segments stand as the floats of the same bits.
         """
-        nodes = self._nodes
         time = np.nan if self._end_time is None else self._end_time
-        far = nodes["far"].copy().view(float)
-        table = np.column_stack([nodes["place"], far, nodes["clearance"], nodes["path"]])
+        far = self._sets[FAR].view(float)
+        guards = self._guards.reshape(len(far), -1)
+        table = np.column_stack([self._look[:3].T, far, self._look[3:].T, guards])
         return table, np.array([self._work["path"], time])
 
     def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
         """Continue from `looks()`."""
-        nodes = self._nodes
-        nodes["place"], nodes["clearance"], nodes["path"] = table[:, :3], table[:, 4], table[:, 5]
-        nodes["far"] = np.ascontiguousarray(table[:, 3]).view(np.int64)
+        self._look[:3], self._look[3:] = table[:, :3].T, table[:, 4:6].T
+        self._sets[FAR] = np.ascontiguousarray(table[:, 3]).view(np.int64)
+        self._guards.reshape(len(table), -1)[:] = table[:, 6:]
         self._work["path"], time = body.tolist()
         if not np.isnan(time):
             self._end_time = time
@@ -364,9 +303,14 @@ class VelocityCorrection:
 
     def state(self) -> dict[str, np.ndarray]:
         """What the next step needs to know of this one, for `restore` (copies)."""
-        return {"segment": self.segment.copy(), "penetrated": self.penetrated.copy()}
+        return {
+            "segment": self.segment.copy(),
+            "penetrated": self.penetrated.copy(),
+            "beds": self._beds.copy(),
+        }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Continue from `state()`."""
         self.segment[:] = state["segment"]
         self.penetrated[:] = state["penetrated"]
+        self._beds[:] = state["beds"] if len(state["beds"]) else 0.0

@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from contact.solver.velocity_correction import LOOKS
+
 
 def saved(contact: Any) -> dict[str, Any]:
     """Arrays of a contact for a checkpoint, those of rank 0 complete; all ranks call.
 
     By nodes (n, 2) and by cells (cells, samples a cell, 2) int: segment touched, set of soft ones.
-    Looks (n, 6) and (cells, samples a cell, 6) float, see `VelocityCorrection.looks`.
+    Looks (n, LOOKS) and (cells, samples a cell, LOOKS) float, see `VelocityCorrection.looks`.
     """
     shell, window = contact.stepper.shell, contact.window
     partition, comm = shell.partition, shell.comm
@@ -24,10 +26,12 @@ def saved(contact: Any) -> dict[str, Any]:
     whole = {"segment": None if nodes is None else nodes.view(np.int64)}
     looks, whole["look_body"] = contact.correction.looks()
     whole["look"] = partition.gather(looks, root=0)
+    if contact.watches_beds:
+        whole["bed_stiffness"] = partition.gather(contact.bed_stiffness[:, None], root=0)
     if contact.inner is not None:
         cells = partition.nodes[contact.cells]
         looks, whole["sample_look_body"] = contact.inner.looks()
-        looks = looks.reshape(len(cells), -1, 6)
+        looks = looks.reshape(len(cells), -1, LOOKS)
         parts = comm.gather((cells, _by_cell(contact), looks), 0)
         if parts is not None:
             names = "sample_cells", "sample_segment", "sample_look"
@@ -44,6 +48,8 @@ def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None
     partition, nodes = shell.partition, shell.partition.owned_nodes
     _set(contact.correction, state["segment"][nodes])
     contact.correction.take_looks(state["look"][nodes], state["look_body"])
+    if "bed_stiffness" in state:
+        contact.bed_stiffness[:] = state["bed_stiffness"][nodes, 0]
     if contact.inner is not None:
         kept, own = state.get("sample_segment"), _by_cell(contact)
         if kept is None or kept.shape[1] != own.shape[1]:
@@ -55,7 +61,7 @@ def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None
         cells = partition.nodes[contact.cells].tolist()
         order = [rows[tuple(sorted(cell))] for cell in cells]
         _set(contact.inner, kept[order].reshape(-1, 2))
-        looks = state["sample_look"][order].reshape(-1, 6)
+        looks = state["sample_look"][order].reshape(-1, LOOKS)
         contact.inner.take_looks(looks, state["sample_look_body"])
     window.impulse[:] = state["window_impulse"][nodes]
     # sums over ranks live on the first one

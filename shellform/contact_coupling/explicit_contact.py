@@ -15,12 +15,14 @@ goes to the support. Nodes held in all three are not met.
 """
 
 import time
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contact.body.segments import Body
+from contact.kernel import kernel
 from contact.solver.cell_samples import (
     collect,
     midpoints,
@@ -37,6 +39,15 @@ from shellform.fem.dolfinx_compat import Function, add_ghosts, cell_nodes, vecto
 from shellform.fem.partition import DOLFINX_ORDER
 
 from . import contact_checkpoint
+
+
+@kernel
+def positions(points: np.ndarray, owned: np.ndarray, x: np.ndarray) -> None:
+    """Fill x (n, 3) [m] from the points at rest (n, 3) and the dofs (n, 6), displacements first."""
+    for i in range(len(x)):
+        x[i, 0] = points[i, 0] + owned[i, 0]
+        x[i, 1] = points[i, 1] + owned[i, 1]
+        x[i, 2] = points[i, 2] + owned[i, 2]
 
 
 class ExplicitContact(RunningContact):
@@ -75,6 +86,8 @@ class ExplicitContact(RunningContact):
         fixed = self._held.all(axis=1)
         self._guided = np.flatnonzero(self._held.any(axis=1) & ~fixed)
         areal = stepper.shell.fabric.areal_mass
+        self._flesh = flesh_stiffness or np.inf
+        self.watches_beds = False
         self._how = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
@@ -114,6 +127,17 @@ class ExplicitContact(RunningContact):
         """Pose of the body at the start of the last step."""
         return self.correction.start_pose
 
+    @cached_property
+    def bed_stiffness(self) -> np.ndarray:
+        """What nodes are bedded on where two parts of the body press them between each other.
+
+        (n_owned,) float [Pa/m], the sum of the `flesh_stiffness` of these parts, infinite for hard
+        ones; zero where a node is free or pressed from one side only. Filled in every step from
+        when it is first asked for; then it is zero, or what the checkpoint says.
+        """
+        self.watches_beds = True
+        return self.correction.watch_beds(self._flesh)
+
     @property
     def friction(self) -> Friction:
         """Its law; may be changed between steps."""
@@ -152,7 +176,7 @@ class ExplicitContact(RunningContact):
     def __call__(self, stepper: Any, dt: float) -> None:
         start = time.perf_counter()
         v, last = stepper.v, self.correction.last
-        np.add(stepper.points, stepper.owned[:, :3], out=self._x)
+        positions(stepper.points, stepper.owned, self._x)
         if self.inner is not None:
             np.copyto(self._free, v)
         self.correction(self._x, v, stepper.mass, dt, stepper.time, v_old=stepper.v_old)

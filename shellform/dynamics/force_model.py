@@ -28,8 +28,14 @@ class ForceModel(Protocol):
     def force(self, w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float) -> np.ndarray:
         """Forces with damping, at a time [s]; may be written over by the next call."""
 
-    def elastic(self, w: np.ndarray) -> np.ndarray:
-        """Forces without damping, smooth in w: their differences give the stable step."""
+    def freeze(self, w: np.ndarray) -> Any:
+        """What `elastic` needs to know of the state that it is asked for about."""
+
+    def elastic(self, w: np.ndarray, frozen: Any) -> np.ndarray:
+        """Forces without damping, smooth in w, of a sheet that is taut under the stress of a
+        frozen state: their differences give the stable step. A slack cell is soft only until it is
+        taut again.
+        """
 
     def energy(self, w: np.ndarray) -> dict[str, float]:
         """Strain energy [J] by kind of term, over all ranks; all ranks call."""

@@ -48,9 +48,13 @@ class ShellForce:
         pressure = shell.loads.pressure_at(time, 1.0) if shell.loads.pressures else 0.0
         return self.internal(w, pressure, self._ahead)[: self._n]
 
-    def elastic(self, w: np.ndarray) -> np.ndarray:
+    def freeze(self, w: np.ndarray) -> np.ndarray | None:
+        """See ForceModel; None for a sheet that is not relaxed."""
+        return self.internal.freeze(w)
+
+    def elastic(self, w: np.ndarray, frozen: np.ndarray | None) -> np.ndarray:
         """See ForceModel; without pressure."""
-        return self.internal(w)[: self._n]
+        return self.internal(w, frozen=frozen)[: self._n]
 
     def energy(self, w: np.ndarray) -> dict[str, float]:
         """See ForceModel; w is the shell's own field."""

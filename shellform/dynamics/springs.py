@@ -242,7 +242,10 @@ class Springs:
         forces(self.points, w, v, self.damping, self.table, False, self.r, self.viscous)
         return self.r
 
-    def elastic(self, w: np.ndarray) -> np.ndarray:
+    def freeze(self, w: np.ndarray) -> None:
+        """See ForceModel; nothing to freeze."""
+
+    def elastic(self, w: np.ndarray, frozen: None) -> np.ndarray:
         """See ForceModel; buckling springs with the slope they start with, on both sides."""
         forces(self.points, w, self.points, 0.0, self.table, True, self.r, self.viscous)
         return self.r

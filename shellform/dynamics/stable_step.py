@@ -32,11 +32,12 @@ def stable_step(stepper: Any, iterations: int = 30) -> float:
 def largest_eigenvalue(stepper: Any, iterations: int) -> float:
     """Largest eigenvalue omega^2 [1/s^2] of M^-1 K on what supports leave free, from below."""
     comm, w, owned = stepper.shell.comm, stepper.w, stepper.owned
-    held, plane, elastic = stepper.held, stepper.nodes["plane"], stepper.force_model.elastic
+    held, plane, model = stepper.held, stepper.nodes["plane"], stepper.force_model
+    frozen = model.freeze(w)
     root = np.sqrt(np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1))
     cell = stepper.shell.surface.mean_cell_size
     base, d = owned.copy(), owned[:, 3:].copy()
-    r = elastic(w).copy()
+    r = model.elastic(w, frozen).copy()
     pull = np.sum(r[:, 3:] * d, axis=1, keepdims=True)
 
     def admissible(y):
@@ -60,7 +61,7 @@ def largest_eigenvalue(stepper: Any, iterations: int) -> float:
         for sign in (1, -1):
             owned[:] = base + sign * h * y
             stepper.scatter()
-            sides.append(elastic(w).copy())
+            sides.append(model.elastic(w, frozen).copy())
         z = (sides[0] - sides[1]) / (2 * h)
         z[:, 3:] -= pull * y[:, 3:]
         return admissible(z) / root

@@ -2,8 +2,7 @@
 """A bent sheet between two points: length of its arc and the angle it turns by, as series.
 
 Written for numbers, arrays and UFL expressions alike. With dx = difference of positions, dd =
-difference of directors; xx = dx . dx, xd = dx . dd, dd = dd . dd. quad_kernel_parts.py has compiled
-twins, which a test holds against these.
+difference of directors; xx = dx . dx, xd = dx . dd, dd = dd . dd. quad_force.c has compiled twins.
 """
 
 from typing import Any

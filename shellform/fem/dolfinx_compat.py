@@ -11,6 +11,7 @@ import logging
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -74,6 +75,11 @@ def _compiler(forms: int = 0) -> Iterator[None]:
             "compiled %d form%s of the finite elements in %.1f s; they are kept for the next run",
             *(forms, "" if forms == 1 else "s", time.perf_counter() - start),
         )
+
+
+def cache_folder() -> Path:
+    """Folder of compiled C code other than forms, inside FFCx's."""
+    return Path(jit.get_parameters()["cache_dir"]) / "shellform"
 
 
 def _changed() -> int | None:

@@ -2,22 +2,15 @@
 """The internal force alone, for explicit steps: Eq. 14 without a tangent.
 
 The virtual work of weak_form.py with the exact stress. 4-node quads in their default form and under
-the default law go through quad_kernel.py; all else is differentiated by UFL, with everything that
+the default law go through quad_force.py; all else is differentiated by UFL, with everything that
 does not move packed once. A call neither allocates nor creates a Vec.
-
-C code is compiled for the processor it runs on. The environment variable SHELLFORM_CFLAGS names
-other flags in place of -march=native, as SHELLFORM_CFLAGS=-march=x86-64-v2 for machines of many
-kinds that share a cache; code compiled with other flags is kept beside.
 """
-
-import os
-import shlex
-from collections.abc import Mapping
 
 import numpy as np
 
 from shellform.material.energy import STRAINS, is_quadratic
 
+from .c_library import compiler_flags
 from .dolfinx_compat import (
     Constant,
     Function,
@@ -29,23 +22,8 @@ from .dolfinx_compat import (
     pack_coefficients,
     pack_constants,
 )
-from .quad_kernel import add_force, baked
+from .quad_force import QuadForce
 from .shell import Shell
-
-# without NaN or infinity assumed away: a step that explodes must be seen to
-FAST = ["-fno-math-errno", "-fno-trapping-math", "-fassociative-math"]
-FAST += ["-fno-signed-zeros", "-freciprocal-math", "-ffp-contract=fast"]
-
-
-def compiler_flags(environment: Mapping[str, str] = os.environ) -> list[str]:
-    """Flags of the C compiler, those of the processor among them; ValueError for what is none."""
-    given = environment.get("SHELLFORM_CFLAGS", "-march=native")
-    processor = shlex.split(given)
-    if not all(flag.startswith("-") for flag in processor):
-        raise ValueError(
-            f"SHELLFORM_CFLAGS is {given!r}: give flags of the C compiler, as -march=x86-64-v2"
-        )
-    return ["-O3", *processor, *FAST]
 
 
 class InternalForce:
@@ -66,11 +44,15 @@ class InternalForce:
         self._result = Function(shell.space)
         self.r = self._result.x.array.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
-        self._quads: tuple | None = None
+        self._quads: QuadForce | None = None
         self._packed: list[tuple] = []
         self._viscous: list[int] = []
+        # load and weight of the arcs of each cell of a relaxed sheet
+        self._cells_give: tuple = (None, None)
         if by_segments(shell):
-            forms, self._quads = [], self._bake()
+            forms, self._quads = [], self._by_segments()
+            if shell.wrinkles is not None:
+                self._cells_give = shell.wrinkles.load, shell.wrinkles.arcs
         else:
             forms = self._strain_forms()
         # of quads that the kernel does not know
@@ -104,7 +86,7 @@ class InternalForce:
                 forms.append(damping)
         return forms
 
-    def _bake(self):
+    def _by_segments(self):
         shell, partition = self.shell, self.shell.partition
         cells = np.ascontiguousarray(cell_nodes(shell.space))
         points = shell.surface.points[partition.nodes] - partition.origin
@@ -112,7 +94,7 @@ class InternalForce:
         if warp is not None and np.ndim(warp) == 2:
             warp = warp[given_cells(shell.mesh)[: len(cells)]]
         directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
-        return points, cells, *baked(points, directors, cells, warp, shell.fabric)
+        return QuadForce(points, directors, cells, warp, shell.fabric, shell.relaxed)
 
     def _pack(self, k, form):
         """Constants, coefficients, and the columns of the latter that hold w and its rates."""
@@ -140,12 +122,17 @@ class InternalForce:
         return values[:, columns]
 
     def __call__(
-        self, w: np.ndarray, pressure: float = 0.0, ahead: np.ndarray | None = None
+        self,
+        w: np.ndarray,
+        pressure: float = 0.0,
+        ahead: np.ndarray | None = None,
+        frozen: np.ndarray | None = None,
     ) -> np.ndarray:
         """Compute the forces at the nodal field w (n_local, 6), ghosts valid; returns `r`.
 
         The force of a follower pressure [Pa] is taken off where the shell has any. `ahead`, used
         where the object is made to be damped: w plus its rates times the time of the damping.
+        `frozen`, of `freeze`: the taut sheet under that stress, in place of a relaxed one.
         """
         if self._pressure is not None:
             self._pressure.value = pressure
@@ -156,7 +143,7 @@ class InternalForce:
         damped = self.damped and ahead is not None
         ahead = w if ahead is None or not damped else ahead.reshape(-1, 6)
         if self._quads is not None:
-            self.loss = add_force(w, ahead, damped, *self._quads, self.r)
+            self.loss = self._quads(w, self.r, ahead if damped else None, *self._cells_give, frozen)
         if self._forms:
             np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         if damped and self._viscous:
@@ -187,9 +174,15 @@ class InternalForce:
             add_ghosts(self._result)
         return self.r
 
+    def freeze(self, w: np.ndarray) -> np.ndarray | None:
+        """Stress that relaxation adds at w to that of the taut sheet; None without relaxation."""
+        if self._quads is None or not self.shell.relaxed:
+            return None
+        return self._quads.freeze(w.reshape(-1, 6), *self._cells_give)
+
 
 def by_segments(shell: Shell) -> bool:
-    """True if quad_kernel.py knows the element and the law of a shell."""
+    """True if quad_force.py knows the element and the law of a shell."""
     plain = shell.options == {"membrane": "arcs", "curvature": "turning", "thick": False}
     plain &= all(is_quadratic(shell.law, strain) for strain in STRAINS)
     return plain and shell.surface.cells.shape[1] == 4 and not np.any(shell.fabric.coupling)

@@ -43,6 +43,11 @@ class Recording:
     notes : tuple of str, what was detected and repaired on the way
     facts : dict of what the source knows, as "stride_length" [m], "cadence" [steps/min],
         "stature" [m], "events": (name, time) pairs
+    first_frame : int, the first frame of the motion itself; those before it lead into it
+
+    Raises
+    ------
+    ValueError for times that do not rise, points of another shape or missing, no such first frame
     """
 
     times: np.ndarray
@@ -50,11 +55,17 @@ class Recording:
     source: str = "recording"
     notes: tuple = ()
     facts: dict = field(default_factory=dict)
+    first_frame: int = 0
 
     def __post_init__(self):
         times = np.asarray(self.times, float)
         if times.ndim != 1 or len(times) < 2 or not (np.diff(times) > 0).all():
             raise ValueError(f"{self.source}: times must rise over at least two frames")
+        if not 0 <= self.first_frame < len(times):
+            raise ValueError(
+                f"{self.source}: the first frame is one of 0 to {len(times) - 1}, not "
+                f"{self.first_frame}"
+            )
         for name, track in self.points.items():
             if np.shape(track) != (len(times), 3, 3):
                 raise ValueError(

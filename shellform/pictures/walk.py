@@ -109,7 +109,7 @@ def walk_figure(
     wearer: Wearer,
     dressing: list[tuple],
     key_frames: list[Frame],
-    curves: list[tuple],
+    curves: list["Curve"],
     joint: str,
     obstacle: tuple[np.ndarray, np.ndarray] | None = None,
     title: str = "",
@@ -120,7 +120,7 @@ def walk_figure(
     ----------
     path : PNG file; wearer : Wearer
     dressing : list of (label, Frame, names left out); key_frames : list of Frame
-    curves : list of (label, times (k,) [s], torque (k,) [N m]); joint : str
+    curves : list of Curve; joint : str
     obstacle : (corner (3,), size (3,)) [m] or None
     """
     from matplotlib.figure import Figure
@@ -154,8 +154,8 @@ def walk_figure(
         axes.set_ylim(low - 0.05, low + 1.4)
         axes.set_title(f"{frame_number(frame.time, rate)}", fontsize=9, y=-0.08)
     axes = below.subplots()
-    for (label, times, torque), colour in zip(curves, COLOURS, strict=False):
-        axes.plot(times, torque, lw=1.2, label=label, color=colour)
+    for curve, colour in zip(curves, COLOURS, strict=False):
+        draw_curve(axes, curve, colour, 1.2)
     axes.set_xlabel("time [s]")
     axes.set_ylabel(f"torque about the {joint.replace('_', ' ')} [N m],\nflexion positive")
     axes.axhline(0, color="0.6", lw=0.6)
@@ -204,18 +204,48 @@ def walk_animation(
     save_animation(images, Path(path), seconds)
 
 
+class Curve(NamedTuple):
+    """Torque (k,) [N m] about a joint at times (k,) [s].
+
+    error, spread : (k,) [N m], standard error of a mean and spread of its runs, or None
+    """
+
+    label: str
+    times: np.ndarray
+    torque: np.ndarray
+    error: np.ndarray | None = None
+    spread: np.ndarray | None = None
+
+
+def curve_of(label: str, rows: list[dict], joint: str) -> Curve:
+    """Curve of a joint from rows of torque.csv, or with its band from those of torque_mean.csv."""
+    own = [row for row in rows if row["joint"] == joint]
+    names = ["time", "torque_flexion"]
+    if "standard_error" in own[0]:
+        names += ["standard_error", "spread"]
+    return Curve(label, *(np.array([row[name] for row in own]) for name in names))
+
+
+def draw_curve(axes: Any, curve: Curve, colour: str, width: float) -> None:
+    """A curve; darker about it the standard error of the mean, lighter the spread of the runs."""
+    axes.plot(curve.times, curve.torque, lw=width, label=curve.label, color=colour)
+    for reach, alpha in ((curve.spread, 0.15), (curve.error, 0.3)):
+        if reach is not None:
+            low, high = curve.torque - reach, curve.torque + reach
+            axes.fill_between(curve.times, low, high, color=colour, alpha=alpha, lw=0)
+
+
 def torque_figure(
     path: str | Path, torques: list[tuple], joints: Sequence[str], title: str = ""
 ) -> None:
     """Flexion torque and power of all joints, a column a joint.
 
-    torques : list of (label, rows as of torque.csv)
+    torques : list of (label, rows as of torque.csv or torque_mean.csv); the latter have a band
     """
     figure, grid = new_figure(1, (14, 5), title, columns=len(joints))
     for axes, joint in zip(np.atleast_1d(grid), joints, strict=True):
         for (label, rows), colour in zip(torques, COLOURS, strict=False):
-            own = [(row["time"], row["torque_flexion"]) for row in rows if row["joint"] == joint]
-            axes.plot(*np.transpose(own), lw=0.9, label=label, color=colour)
+            draw_curve(axes, curve_of(label, rows, joint), colour, 0.9)
         axes.set_title(joint.replace("_", " "), fontsize=9)
         axes.axhline(0, color="0.6", lw=0.6)
         axes.set_xlabel("time [s]", fontsize=8)
@@ -241,15 +271,12 @@ def draw_all(
     ----------
     folder : path; wearer : Wearer
     dressing : see `walk_figure`; run : folder with the series to draw
-    torques : dict, label -> rows of torque.csv; joint : str, of walk.png
+    torques : dict, label -> rows of torque.csv or torque_mean.csv; joint : str, of walk.png
     """
     folder = Path(folder)
     frames = [frame for frame in read_frames(run) if frame.time >= wearer.start - 1e-9]
     picked = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
-    curves = []
-    for label, rows in torques.items():
-        own = [(row["time"], row["torque_flexion"]) for row in rows if row["joint"] == joint]
-        curves.append((label, *np.transpose(own)))
+    curves = [curve_of(label, rows, joint) for label, rows in torques.items()]
     box = obstacle_of(wearer.recording)
     keys = [frames[k] for k in picked]
     walk_figure(folder / "walk.png", wearer, dressing, keys, curves, joint, box, title)

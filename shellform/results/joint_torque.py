@@ -197,6 +197,7 @@ def resistance(
     joint: str,
     strides: Sequence[tuple[float, float]] = (),
     start: float | None = None,
+    counted: tuple[float, float] = (-np.inf, np.inf),
 ) -> dict[str, Any]:
     """What the clothing costs a joint, integrated over time.
 
@@ -206,6 +207,7 @@ def resistance(
     strides : (start, end) times [s] of the strides to report one by one; a window belongs to the
         stride in which it ends
     start : float [s] or None, begin of the first window; None: it is as long as the second
+    counted : begin and end [s]; windows that are not within, as of standing, count for nothing
 
     Returns
     -------
@@ -243,6 +245,7 @@ def resistance(
             "resistance": float(-np.sum(w * np.minimum(p, 0.0))),
         }
 
-    return summary(np.ones(len(own), bool)) | {
-        "strides": [summary((time > a + 1e-9) & (time <= b + 1e-9)) for a, b in strides]
+    within = (time - width >= counted[0] - 1e-6) & (time <= counted[1] + 1e-6)
+    return summary(within) | {
+        "strides": [summary(within & (time > a + 1e-9) & (time <= b + 1e-9)) for a, b in strides]
     }

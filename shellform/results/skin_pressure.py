@@ -165,8 +165,12 @@ class Pressure(Part):
         )  # fmt: skip
         self.seconds += dt
 
-    def record(self, time: float) -> np.ndarray:
+    def record(self, time: float, counts: bool = True) -> np.ndarray:
         """Close the window that ends at `time` [s], begin a new one; all ranks call.
+
+        Parameters
+        ----------
+        counts : whether the window enters `result`, or is one of standing
 
         Returns
         -------
@@ -175,18 +179,19 @@ class Pressure(Part):
         total = self._comm.allreduce(self.total)
         span, areas = max(self.seconds, 1e-300), self.patches.areas
         mean = total[:, NORMAL] / (areas * span)
-        higher = mean > self._peak
-        self._peak[higher], self._peak_time[higher] = mean[higher], time
-        # cloth that lies double covers no more than all of a patch
-        cover = total[:, COVERED] / self._areal_mass
-        total[:, COVERED] = np.minimum(cover, areas * self.seconds)
-        self._sums += total
-        self._whole += self.seconds
+        if counts:
+            higher = mean > self._peak
+            self._peak[higher], self._peak_time[higher] = mean[higher], time
+            # cloth that lies double covers no more than all of a patch
+            cover = total[:, COVERED] / self._areal_mass
+            total[:, COVERED] = np.minimum(cover, areas * self.seconds)
+            self._sums += total
+            self._whole += self.seconds
         self.total[:], self.seconds = 0.0, 0.0
         return mean
 
     def result(self) -> Map:
-        """Map of all closed windows."""
+        """Map of all closed windows that count."""
         patches, span = self.patches, max(self._whole, 1e-300)
         mean, rubbing, share = (self._sums / (patches.areas[:, None] * span)).T.copy()
         return Map(

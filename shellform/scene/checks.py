@@ -35,6 +35,7 @@ RANGES = {
     "contact.kinetic_friction": (0, 10, "not above the static friction"),
     "contact.flesh_stiffness": (0, 1e7, "2e5 Pa/m is soft flesh; 0 for hard parts"),
     "contact.offset": (0, 0.02, "half the thickness of the cloth, in m"),
+    "steps.runs": (1, 1000, "3 for a draft, 1 for a single run"),
     "steps.time_step_factor": (0.01, 1, "a part of the largest stable step"),
     "steps.damping": (0, 1e-2, "1e-5 s is much; it shortens the step"),
     "steps.drag": (0, 100, "0.3 1/s is usual"),
@@ -43,6 +44,8 @@ RANGES = {
     "output.pressure": (0, 0.2, "patches of 0.03 m, 0 for no map"),
     "output.checkpoint": (1e-3, 1e4, "0.5 s is usual"),
 }
+
+WRINKLES = ("auto", "relaxed", "resolved")
 
 
 def check_kinds(scene: Scene) -> None:
@@ -88,6 +91,11 @@ def check_numbers(scene: Scene) -> None:
     check_accuracy(scene.steps.accuracy)
     if scene.steps.dressing not in ("shell", "particles"):
         raise ValueError(f"steps.dressing is shell or particles, not {scene.steps.dressing!r}")
+    if scene.garment.wrinkles not in WRINKLES:
+        raise ValueError(
+            f"garment.wrinkles is {', '.join(WRINKLES[:-1])} or {WRINKLES[-1]}, not "
+            f"{scene.garment.wrinkles!r}"
+        )
     kinetic = scene.contact.kinetic_friction
     if kinetic is not None and kinetic > scene.contact.friction:
         raise ValueError(

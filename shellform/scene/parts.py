@@ -17,8 +17,8 @@ class Motion:
     file : 'synthetic' or a C3D, TRC or CSV file; map : name or file of a segment map, None: the one
     that fits; unit, up : of the file, where it does not tell; cutoff : of the low-pass [Hz];
     max_gap : longest gap filled [s]; start, end : part of the recording used [s]; initiation : time
-    from standing into its first frame [s]; strides, obstacle (height [m], 0 for none) : of the
-    synthetic walk.
+    from standing into its first frame [s], None: 1 s, or longer as joints need; strides, obstacle
+    (height [m], 0 for none) : of the synthetic walk.
 
     Examples
     --------
@@ -36,7 +36,7 @@ class Motion:
     max_gap: float = with_unit(0.1, "s")
     start: float | None = with_unit(None, "s")
     end: float | None = with_unit(None, "s")
-    initiation: float = with_unit(1.0, "s")
+    initiation: float | None = with_unit(None, "s")
     strides: int = 4
     obstacle: float = with_unit(0.5, "m")
 
@@ -62,7 +62,9 @@ class Garment:
 
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
     kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
-    arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy.
+    arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy;
+    wrinkles : 'relaxed', those smaller than a cell take what compression they cannot bear,
+    'resolved', cells alone fold, or 'auto', by the size of the cells.
 
     Examples
     --------
@@ -79,6 +81,7 @@ class Garment:
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})
     cell_size: float | None = with_unit(None, "m")
+    wrinkles: str = "auto"
 
 
 @dataclass(frozen=True)
@@ -105,9 +108,11 @@ class Contact:
 class Steps:
     """How motion is computed.
 
-    accuracy : 'draft', 'standard', 'fine' or 'N%', see `shellform.accuracy.choice`;
-    time_step_factor : of the largest stable step; damping : stiffness-proportional [s]; drag : of
-    the air [1/s]; dressing : 'shell' or 'particles', the model that puts the garment on.
+    accuracy : 'draft', 'standard', 'fine' or 'N%', see `shellform.accuracy.choice`; runs : starts
+    of an ensemble whose mean is told, None: what the accuracy needs, see
+    `shellform.accuracy.ensemble_size`; time_step_factor : of the largest stable step; damping :
+    stiffness-proportional [s]; drag : of the air [1/s]; dressing : 'shell' or 'particles', the
+    model that puts the garment on.
 
     Examples
     --------
@@ -116,6 +121,7 @@ class Steps:
     """
 
     accuracy: str = "draft"
+    runs: int | None = None
     time_step_factor: float = 0.9
     damping: float = with_unit(0.0, "s")
     drag: float = with_unit(0.3, "1/s")

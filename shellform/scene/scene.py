@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
 from shellform.accuracy.choice import Choice, choose, garment_length
+from shellform.accuracy.ensemble_size import runs_needed
 from shellform.material.card import fabric_of
 from shellform.material.fabric import Fabric
 from shellform.material.sheet import Sheet
@@ -65,6 +66,11 @@ class Scene:
     def cell_size(self) -> float:
         """Size of the garment's cells [m]."""
         return self.garment.cell_size or self.choice.size
+
+    @property
+    def runs(self) -> int:
+        """Runs of the ensemble whose mean is told."""
+        return self.steps.runs or runs_needed(self.steps.accuracy)
 
     @property
     def choice(self) -> Choice:

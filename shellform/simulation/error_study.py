@@ -119,8 +119,11 @@ def cost_table(
 
 
 def curves(folder: str | Path) -> np.ndarray:
-    """Torques about the flexion axes of all joints of a run (joints, windows) [N m]."""
-    rows = rows_until(Path(folder) / "torque.csv", np.inf)
+    """Torques about the flexion axes of all joints of a run (joints, windows that count) [N m]."""
+    begin, end = summary_of(folder)["results"]["counted_s"]
+    rows = [
+        row for row in rows_until(Path(folder) / "torque.csv", end) if row["time"] > begin + 1e-6
+    ]
     joints = list(dict.fromkeys(row["joint"] for row in rows))
     return np.array([[r["torque_flexion"] for r in rows if r["joint"] == j] for j in joints])
 

@@ -3,11 +3,9 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from shellform.dressing.procedure import STAGES
 from shellform.motion.recording import SIDES
-from shellform.results.joint_torque import rows_until
+from shellform.results.mean_torque import mean_rows
 from shellform.scene.scene_file import read_scene
 from shellform.scene.wearer import part_of, wearer_of
 
@@ -21,7 +19,7 @@ def draw(out: str | Path) -> None:
     out = Path(out)
     scene = read_scene(out / "scene.toml")
     wearer = wearer_of(scene)
-    rows = {scene.title: rows_until(out / "torque.csv", np.inf)}
+    rows = {scene.title: mean_rows(out)}
     draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
     if (out / "pressure.npz").is_file():
         from shellform.results.skin_pressure import load

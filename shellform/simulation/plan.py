@@ -7,6 +7,7 @@ and not in the run either:
 element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
+wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is told
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
 
 Bending is in every plan. A sheet without it folds to the size of its cells, whatever these are, so
@@ -65,12 +66,16 @@ def plan_of(
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
     recording = wearer.recording
     plan |= {
+        "wrinkles": scene.garment.wrinkles,
+        "runs": scene.runs,
         "motion": {"source": str(recording.source), "start": wearer.start, "end": wearer.end},
         "joints": list(wearer.joints),
         "dressing": {"model": steps.dressing, "seconds_at_most": Dressing().seconds},
         "belt": scene.belt,
         "outputs": ["torque.csv", "ledger.csv", "dressing.pvd", "series.pvd"],
     }
+    if scene.runs > 1:
+        plan["outputs"].append("torque_mean.csv")
     if output.pressure:
         plan["outputs"].append("pressure.npz")
     return {name: value for name, value in plan.items() if value or value is False}
@@ -95,6 +100,9 @@ def plan_lines(plan: dict) -> list[str]:
         model, most = plan["dressing"].values()
         held = f"a belt of {plan['belt']:g} N" if "belt" in plan else "no belt"
         lines.append(f"dressing   by {model} in {most:.1f} s at most, {held}")
+    if "runs" in plan:
+        runs = "one, without a band" if plan["runs"] == 1 else f"{plan['runs']}, their mean is told"
+        lines.append(f"runs       {runs}")
     if "outputs" in plan:
         lines.append(f"outputs    {', '.join(plan['outputs'])}")
     return lines

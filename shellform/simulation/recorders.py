@@ -11,6 +11,7 @@ from shellform.contact_coupling.contact import require_contact
 from shellform.dressing.procedure import STAGES
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.part import Part
+from shellform.motion.gait.strides import counted
 from shellform.results.joint_torque import Torque
 from shellform.results.ledger import Ledger
 from shellform.results.series import Series
@@ -29,11 +30,13 @@ class Recorders:
     Attributes
     ----------
     joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure, or None if not asked for
+    counted : begin and end [s] of what counts for torque and pressure, see `counted`; depths
+    and the ledger are kept throughout
     """
 
     def __init__(self, model: Model, out: Path, resumed: dict[str, Any] | None = None):
         add, output = model.stepper.add, model.scene.output
-        self._window = model.contact.window
+        self._window, self.counted = model.contact.window, counted(model.wearer)
         self.joints: Torque = add(Torque(out / "torque.csv", output.parts, resumed))
         self.ledger: Ledger = add(Ledger(out / "ledger.csv", resumed))
         self.extremes: Extremes = add(Extremes(resumed))
@@ -53,7 +56,9 @@ class Recorders:
         """
         self.joints.record(time)
         if self.skin:
-            self.skin.record(time)
+            begin, end = self.counted
+            whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
+            self.skin.record(time, whole)
         force = self._window.impulse / self._window.seconds
         self.ledger.record()
         return force

@@ -2,13 +2,15 @@
 """A dressed wearer performs the recorded motion: Sec. 4.2 of the paper, Figs. 7, 8 and 10.
 
 `run` dresses the wearer, plays the motion, and leaves torque.csv, ledger.csv, a series of frames,
-summary.json and a checkpoint; `resume` goes on from the checkpoint of a run that was stopped. Both
-are three steps: `_set_up`, `_play`, which keeps checkpoints, and `_write_results`.
+summary.json and a checkpoint; `resume` goes on from the checkpoint of a run that was stopped. One
+run is one start; ensemble.py runs several. Both are three steps: `_set_up`, `_play`, which keeps
+checkpoints, and `_write_results`.
 """
 
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from mpi4py import MPI
@@ -19,6 +21,7 @@ from shellform.console import progress
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.errors import Stopped, Unstable
+from shellform.motion.gait.strides import counted
 from shellform.results.report import Report
 from shellform.results.series import Series
 from shellform.scene.scene import Scene
@@ -57,6 +60,7 @@ def run(
     comm: MPI.Comm = MPI.COMM_WORLD,
     dressed: str | Path | None = None,
     watch: Callable | None = None,
+    lines: bool = True,
 ) -> dict:
     """Dress, play the motion, leave files in the folder `out`; returns the results.
 
@@ -66,6 +70,7 @@ def run(
     dressed : file of a dressed state (`OUT/dressed.npz` of a run of the same garment and wearer),
         which is then not made anew
     watch : function of (stage, model), called at every frame while dressing and walking
+    lines : whether rank 0 prints what is predicted of errors and time
 
     Raises
     ------
@@ -75,16 +80,18 @@ def run(
     --------
     >>> import shellform as sf
     >>> scene = sf.Scene(fabric="compliant", belt=20.0)
-    >>> results = sf.run(scene, "out/walk")  # doctest: +SKIP
+    >>> results = run(scene, "out/walk")  # doctest: +SKIP
     >>> results["joints"]["right_knee"]["peak_torque"]  # doctest: +SKIP
     """
     scene, out = as_scene(scene), Path(out)
     report, model = _set_up(scene, out, comm)
     # only now, as a scene that does not stand must not cost the files of another run
     if comm.rank == 0:
-        (out / "checkpoint.npz").unlink(missing_ok=True)
+        for name in ("checkpoint.npz", "summary.json"):
+            (out / name).unlink(missing_ok=True)
         write_scene(scene, out / "scene.toml")
-        print("\n".join(prediction_lines(model)), flush=True)
+        if lines:
+            print("\n".join(prediction_lines(model)), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
@@ -110,8 +117,7 @@ def resume(out: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, watch: Callable | N
 
     Examples
     --------
-    >>> import shellform as sf
-    >>> sf.resume("out/nothing")
+    >>> resume("out/nothing")
     Traceback (most recent call last):
     ValueError: out/nothing holds no checkpoint.npz: nothing has been computed, use `run`
     """
@@ -139,10 +145,14 @@ def _set_up(scene: Scene, out: Path, comm: MPI.Comm) -> tuple[Report, Model]:
 
 
 def _windows(model: Model) -> np.ndarray:
-    """Times [s] at which rows are recorded."""
-    start, end = model.wearer.start, model.wearer.end
-    count = max(1, round((end - start) / model.scene.output.window))
-    return np.linspace(start, end, count + 1)[1:]
+    """Times [s] at which rows are recorded; a window begins, and one ends, with what counts."""
+    wearer, ends = model.wearer, []
+    edges = [wearer.start, *counted(wearer), wearer.end]
+    for begin, end in pairwise(edges):
+        if end - begin > 1e-9:
+            count = max(1, round((end - begin) / model.scene.output.window))
+            ends.append(np.linspace(begin, end, count + 1)[1:])
+    return np.concatenate(ends)
 
 
 def _finish(walk: Walk) -> dict:

@@ -2,11 +2,10 @@
 """Results of a dressed walk, for summary.json and as lines for a person."""
 
 import json
-from itertools import pairwise
 from pathlib import Path
 
 from shellform.material.card import fabric_of
-from shellform.motion.recording import SIDES
+from shellform.motion.gait.strides import strides
 from shellform.results.joint_torque import resistance
 from shellform.results.report import Report
 from shellform.scene.parts import PARTS
@@ -21,11 +20,16 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
     """Results of a run for summary.json; fit : report of the dressing."""
     scene, wearer, joints = model.scene, model.wearer, recorders.joints
     facts, weight = wearer.recording.facts, model.weight
-    strides = stride_times(facts, wearer.end)
+    walked = {side: found.tolist() for side, found in strides(wearer).items()}
+    counted = recorders.counted
     residual = max(row["momentum_residual"] for row in recorders.ledger.rows)
     depth, pinched, pinch_depth = recorders.extremes.saved()["extremes"]
     return {
-        "joints": {j: resistance(joints.rows, j, strides) for j in joints.joints},
+        "joints": {
+            j: resistance(joints.rows, j, walked[j.split("_")[0]], wearer.start, counted)
+            for j in joints.joints
+        },
+        "counted_s": list(counted),
         "parts": joints.parts,
         "window": scene.output.window,
         "weight": weight,
@@ -34,22 +38,12 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
         "pinched_most": int(pinched),
         "pinched_depth": pinch_depth,
         "dressing": fit,
-        "strides": strides,
+        "strides": walked,
         "stride_length": facts.get("stride_length"),
         "cadence": facts.get("cadence"),
         "segment_lengths": wearer.recording.lengths(),
         "notes": wearer.recording.notes,
     }
-
-
-def stride_times(facts: dict, end: float) -> list[tuple[float, float]]:
-    """(start, end) times [s] of the strides, from the heel strikes of one foot; [] without them."""
-    for side in SIDES:
-        strikes = sorted(t for name, t in facts.get("events", ()) if name == f"{side}_heel_strike")
-        strikes = [t for t in strikes if t <= end + 1e-9]
-        if len(strikes) > 1:
-            return list(pairwise(strikes))
-    return []
 
 
 def summary_lines(results: dict) -> list[str]:
@@ -68,14 +62,40 @@ def summary_lines(results: dict) -> list[str]:
         lines.append(
             f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
         )
-    lines.append(f"torque about the axis of flexion, means over {results['window']:g} s")
-    lines.append(
-        f"{'joint':>12} {'peak N m':>10} {'rms N m':>10} {'work J':>10} {'resisted J':>11}"
-    )
+    return lines + torque_lines(results)
+
+
+def torque_lines(results: dict) -> list[str]:
+    """Lines of the torque about every joint, with standard errors where there are several runs."""
+    runs = max((row.get("runs", 1) for row in results["joints"].values()), default=1)
+    begin, end = results["counted_s"]
+    lines = [
+        f"torque about the axis of flexion, means over {results['window']:g} s, of what counts: "
+        f"{begin:.2f} to {end:.2f} s"
+    ]
+    if runs > 1:
+        lines.append(f"mean of {runs} runs and its standard error")
+    wide = 18 if runs > 1 else 10
+    titles = ("peak N m", "rms N m", "work J", "resisted J")
+    lines.append(f"{'joint':>12}" + "".join(f" {title:>{wide}}" for title in titles))
     for joint, row in results["joints"].items():
-        numbers = f"{row['peak_torque']:10.3f} {row['rms_torque']:10.3f} {row['work']:10.3f}"
-        lines.append(f"{joint:>12} {numbers} {row['resistance']:11.3f}")
+        lines.append(f"{joint:>12}" + _numbers(row, wide))
+        if "mean_stride" in row:
+            lines.append(f"{'its stride':>12}" + _numbers(row["mean_stride"], wide))
     return lines
+
+
+def _numbers(row, wide):
+    """Numbers of a joint, each with its standard error if it has one."""
+    out = ""
+    for name in ("peak_torque", "rms_torque", "work", "resistance"):
+        error = row.get(f"{name}_error")
+        out += f" {_with_error(row[name], error):>{wide}}"
+    return out
+
+
+def _with_error(value, error):
+    return f"{value:.3f}" if error is None else f"{value:.3f} +- {error:.3f}"
 
 
 def summary_of(out: str | Path) -> dict:

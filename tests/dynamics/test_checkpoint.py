@@ -146,3 +146,21 @@ def test_goes_on_with_any_number_of_ranks(tmp_path):
     for other in results[1:]:
         scale = np.abs(results[0]).max(axis=0) + 1e-12
         assert (np.abs(other - results[0]) / scale).max() < 1e-9
+
+
+def test_beds_go_on(shared_tmp_path, comm):
+    """What nodes are bedded on for the next step is in the file where somebody asked for it."""
+    stepper, touch = scene()
+    steps(stepper, 20)
+    checkpoint.save(shared_tmp_path / "plain.npz", stepper)
+    touch.bed_stiffness[:] = 1.0 + np.arange(stepper.n_owned)
+    checkpoint.save(shared_tmp_path / "beds.npz", stepper)
+    comm.Barrier()
+    for name, watched in (("plain", False), ("beds", True)):
+        other, other_touch = scene()
+        checkpoint.load(shared_tmp_path / f"{name}.npz", other)
+        assert other_touch.watches_beds == watched
+        if watched:
+            assert np.array_equal(other_touch.bed_stiffness, touch.bed_stiffness)
+        steps(other, 1)
+        assert not other_touch.bed_stiffness.any()  # of a single body

@@ -27,7 +27,10 @@ class Ground:
         self.r[:, :3] = K * self.mass * w[: len(v), :3] + self.viscous
         return self.r
 
-    def elastic(self, w):
+    def freeze(self, w):
+        return None
+
+    def elastic(self, w, frozen):
         self.r[:, :3] = K * self.mass * w[: len(self.mass), :3]
         return self.r
 

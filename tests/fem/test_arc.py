@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Series of arc length and turning angle: against circles, and their compiled twins."""
+"""Series of arc length and turning angle: against circles."""
 
 import numpy as np
-import pytest
 
-from shellform.fem import quad_kernel_parts
-from shellform.fem.arc import arc_lengths, half_length_squared, turning
+from shellform.fem.arc import arc_lengths, turning
 
 
 def arc(angle, radius=0.3):
@@ -31,12 +29,3 @@ def test_turning_of_a_circular_arc():
         dx, dd = X[0, 1] - X[0, 0], D[0, 1] - D[0, 0]
         errors.append(abs(turning(dx @ dd, dd @ dd) / (0.3 * angle**2) - 1))
     assert errors[0] < 1e-2 and errors[1] < errors[0] / 8
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_compiled_twins(seed):
-    X, D = np.random.default_rng(seed).standard_normal((2, 3))
-    b, c = float(X @ D), float(D @ D)
-    twin = quad_kernel_parts.half_length_squared(tuple(X), b, c)
-    assert twin == pytest.approx(half_length_squared(X @ X, b, c), rel=1e-13)
-    assert quad_kernel_parts.turning(b, c) == pytest.approx(turning(b, c), rel=1e-13)

@@ -9,7 +9,8 @@ from dolfinx.jit import ffcx_jit
 
 import meshes
 from shellform import Fabric, Shell
-from shellform.fem.internal_force import InternalForce, compiler_flags
+from shellform.fem.c_library import compiler_flags
+from shellform.fem.internal_force import InternalForce
 
 PLAIN = {"SHELLFORM_CFLAGS": "-march=x86-64-v2 -mtune=generic"}
 

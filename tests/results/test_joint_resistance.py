@@ -40,6 +40,20 @@ def test_resistance_of_a_made_up_history():
         resistance(rows, "knee")
 
 
+def test_standing_counts_for_nothing():
+    """Windows not wholly within what counts: neither in peak nor sums, nor in a stride."""
+    rows = history([90, 1, -3, 2, 80], [90, 2, -4, 1, 80])
+    found = resistance(rows, "right_knee", [(1.0, 2.5), (2.5, 3.5)], counted=(1.5, 3.0))
+    first, last = found.pop("strides")
+    assert found == pytest.approx(
+        {"peak_torque": -3, "rms_torque": (14 / 3) ** 0.5, "work": -0.5, "resistance": 2}
+    )
+    assert first["peak_torque"] == -3 and last["peak_torque"] == 2
+    inner = resistance(rows, "right_knee", counted=(1.6, 3.0))
+    assert inner["rms_torque"] == pytest.approx((13 / 2) ** 0.5)
+    assert resistance(rows, "right_knee", counted=(5.0, 6.0))["peak_torque"] == 0.0
+
+
 def test_resistance_of_a_power_that_changes_sign():
     """sin t over a period gives 2; a window that hides a zero loses at most width^2/8."""
     for n in (40, 80):

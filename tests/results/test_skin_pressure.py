@@ -125,6 +125,22 @@ def test_normal_force_is_what_contact_booked():
     assert result.rubbing.max() < 1e-3 * result.mean.max()
 
 
+def test_windows_of_standing_do_not_count():
+    """The map of what comes after a window that does not count is that of this alone."""
+    stepper, _ = over_sphere(friction=0.0, height=1e-3)
+    pressure = stepper.add(Pressure(0.05))
+    stepper.advance(0.03)
+    assert pressure.record(stepper.time, counts=False).max() > 0
+    assert pressure.result().seconds == 0 and not pressure.result().peak.any()
+    begin = stepper.time
+    stepper.advance(0.05)
+    window = pressure.record(stepper.time)
+    result = pressure.result()
+    assert result.seconds == pytest.approx(stepper.time - begin, rel=1e-9)
+    np.testing.assert_allclose(result.mean, window, rtol=1e-12)
+    np.testing.assert_array_equal(result.peak, np.maximum(window, 0))
+
+
 def test_map_of_a_sheet_at_rest_carries_its_weight():
     """Pressure times normals over the patches: the weight of a frictionless cap, 2 %."""
     R, rest = 0.25, 0.25 + 5e-4

@@ -16,7 +16,7 @@ JOINTS = [f"{side}_{joint}" for side in ("right", "left") for joint in ("hip", "
 # without drag of the air, which the ledger books but does not tell by window
 WALK = Scene(
     motion=Motion(start=1.5, end=1.7, initiation=0.4),
-    steps=Steps(drag=0.0),
+    steps=Steps(drag=0.0, runs=1),
     output=Output(checkpoint=0.1),
 )
 

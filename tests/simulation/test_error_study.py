@@ -53,7 +53,7 @@ def false_run(monkeypatch, order=2.0):
             *(f"right_knee,{k},{t!r}" for k, t in enumerate(curve)),
         ]
         (out / "torque.csv").write_text("\n".join(text) + "\n")
-        entry = {"seconds": {"total": 60.0}}
+        entry = {"seconds": {"total": 60.0}, "results": {"counted_s": [-1.0, 49.0]}}
         (out / "summary.json").write_text(json.dumps(entry))
 
     monkeypatch.setattr(error_study, "run", run)

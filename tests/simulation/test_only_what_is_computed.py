@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from contact.body.segments import Body, Fixed, Segment
-from contact.solver import node_contact, velocity_correction
+from contact.solver import correction_step, one_segment, velocity_correction
 from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Statics
 from shellform.dynamics import explicit_kernels
@@ -98,22 +98,22 @@ def on_records(kernel):
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_no_friction_kernel_without_friction(monkeypatch, friction):
-    """Points that press on a slope call the kernel of friction if there is friction, else never."""
-    calls, build = [], node_contact.friction_kernel
+    """Points that press on a slope ask for the cone of friction only if there is friction."""
+    calls, build = [], one_segment.cone_kernel
 
     def counted(law):
-        apply_friction = build(law)
-        return lambda *given: calls.append(1) or apply_friction(*given)
+        transmitted = build(law)
+        return lambda *given: calls.append(1) or transmitted(*given)
 
-    monkeypatch.setattr(node_contact, "friction_kernel", counted)
+    monkeypatch.setattr(one_segment, "cone_kernel", counted)
     # the loop over nodes, and what each of them does, by Python itself
-    for module in (node_contact, velocity_correction):
+    for module in (one_segment, correction_step):
         monkeypatch.setattr(module, "kernel", lambda function: function)
-    node_kernel, correct = (
-        node_contact.node_kernel.__wrapped__,
-        velocity_correction.correction_kernel.__wrapped__,
+    meet, correct = (
+        one_segment.one_segment_kernel.__wrapped__,
+        correction_step.correction_kernel.__wrapped__,
     )
-    monkeypatch.setattr(velocity_correction, "node_kernel", node_kernel)
+    monkeypatch.setattr(correction_step, "one_segment_kernel", meet)
     monkeypatch.setattr(
         velocity_correction, "correction_kernel", lambda law: on_records(correct(law))
     )

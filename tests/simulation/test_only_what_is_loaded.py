@@ -103,7 +103,7 @@ def test_imports(loaded):
     assert not statics & {
         "numba",
         "shellform.dynamics.explicit",
-        "shellform.fem.quad_kernel",
+        "shellform.fem.quad_force",
         *PICTURES,
     }
     assert not contact["statics"]

@@ -104,14 +104,18 @@ def test_files_of_a_run(walked):
     found = summary["results"]
     for key in (
         "max_penetration", "force_balance_error", "strides", "stride_length", "parts", "window",
-        "dressing", "pinched_most", "notes", "weight",
+        "dressing", "pinched_most", "notes", "weight", "counted_s",
     ):  # fmt: skip
         assert key in found
     assert list(found["joints"]) == JOINTS
+    assert found["counted_s"] == pytest.approx([1.5, 1.7], abs=1e-9)
+    assert found["strides"] == {"right": [], "left": []}
     assert found["window"] == 0.02 and found["parts"]["left_knee"] == ["left_shank", "left_foot"]
     assert found["stride_length"] == pytest.approx(1.32)
     for joint, numbers in found["joints"].items():
-        mine = [row for row in rows if row["joint"] == joint]
+        # the way into the walk counts for nothing
+        mine = [row for row in rows if row["joint"] == joint and row["time"] > 1.5 + 1e-6]
+        assert len(mine) == 10
         flexion = np.array([row["torque_flexion"] for row in mine])
         assert abs(numbers["peak_torque"]) == pytest.approx(np.abs(flexion).max(), rel=1e-9)
         assert numbers["rms_torque"] == pytest.approx(np.sqrt(np.mean(flexion**2)), rel=1e-6)

@@ -86,7 +86,7 @@ def read_motion(
     >>> again.notes[0]
     'up is z, as given'
     >>> f"{again.facts['stride_length']:.2f} m"
-    '1.32 m'
+    '1.31 m'
     """
     return recording(read_markers(path, unit, up), map, max_gap, cutoff, window, rigid)
 

@@ -6,9 +6,9 @@ import pytest
 
 from contact.body.segments import Body, Fixed, Segment, Steady
 from contact.geometry.ellipsoid import closest_points
-from contact.solver.broad_phase import clearance_left, measure, surface_motion
+from contact.solver.broad_phase import clearance_left, mark_away, measure, surface_motion
 from contact.solver.segment_motion import segment_records, set_motion
-from contact.solver.step_record import NODE
+from contact.solver.step_record import ALLOWED, FAR, LOOK, SETS
 from contact.solver.velocity_correction import VelocityCorrection
 from tests.contact.solver.bodies import LIMB, limbs, random_axes
 
@@ -78,8 +78,8 @@ def test_a_measurement_says_how_far_the_others_are():
     set_motion(poses[0].centres, poses[0].axes, poses[1].centres, poses[1].axes, OFFSET, segments)
     motion, thinnest = surface_motion(segments, OFFSET)
     assert thinnest == body.radii.min()
-    node, margin = np.zeros(1, NODE), 0.02
-    node["allowed"] = 31
+    sets, look, margin = np.zeros((SETS, 1), np.int64), np.zeros((LOOK, 1)), 0.02
+    sets[ALLOWED] = 31
     seen = set()
     for x in rng.uniform(-0.4, 0.4, (300, 3)):
         gaps = np.array(
@@ -88,13 +88,21 @@ def test_a_measurement_says_how_far_the_others_are():
                 for r, c, a in zip(body.radii, poses[0].centres, poses[0].axes, strict=True)
             ]
         )
-        measure(x, 1.0, margin, segments, OFFSET, node[0])
-        far = np.array([bool(node[0]["far"] >> b & 1) for b in range(5)])
+        measure(x[None], 0, 1.0, margin, segments, OFFSET, sets, look)
+        far = np.array([bool(sets[FAR, 0] >> b & 1) for b in range(5)])
+        clearance = look[3, 0]
         assert (gaps[far] > margin).all() and (gaps[~far] <= margin / 0.99).all()
-        assert node[0]["clearance"] <= min(gaps[far], default=2 * margin)
-        assert node[0]["clearance"] > margin - 1e-12
-        left = clearance_left(x + [0.003, 0.004, 0.0], 1.001, motion, node[0])
-        assert left == pytest.approx(node[0]["clearance"] - 0.005 - 0.001 - motion, abs=1e-15)
+        assert clearance <= min(gaps[far], default=2 * margin)
+        assert clearance > margin - 1e-12
+        moved = x[None] + [0.003, 0.004, 0.0]
+        left = clearance_left(moved, 0, 1.001, motion, look)
+        assert left == pytest.approx(clearance - 0.005 - 0.001 - motion, abs=1e-15)
+        # all nodes at once say the same of a step of 2 mm; a fixed node needs no clearance
+        away, v = np.empty(1), np.array([[2.0, 0.0, 0.0]])
+        for fixed in (False, True):
+            given = np.ones(1), dt, 1.001, motion, np.array([fixed]), sets, look, away
+            mark_away(moved, v, *given)
+            assert (away[0] >= 0.0) == (fixed or (left >= 0.002 and far.all()))
         seen.add(far.sum())
     assert len(seen) > 2
 

@@ -122,3 +122,28 @@ def test_ellipsoids_of_one_segment_make_a_hard_crease():
         correction(x, v, np.ones(1), dt, 0.0)
         assert correction.last.impulse[0, 2] == pytest.approx(3e-3, rel=1e-6)
         assert not correction.pinched
+
+
+def plates(gap):
+    """Two soft bodies, flat at the origin, their skins `gap` apart in z."""
+    return spheres((0, 0, -100 - 0.5 * gap), (0, 0, 100 + 0.5 * gap), radius=100.0)
+
+
+@pytest.mark.parametrize(("flesh", "stiffness"), [(FLESH, 4e4), (np.inf, np.inf)])
+def test_beds_of_a_node_between_two_flat_bodies(flesh, stiffness):
+    """Pressed by both: the sum of their stiffness, infinite for hard ones; by one or none: zero."""
+    offset = 1e-3
+    found = {}
+    cases = ("both", 1.5e-3, 0.0), ("one", 20e-3, -9.5e-3), ("none", 20e-3, 0.0)
+    for name, gap, height in cases:
+        correction = VelocityCorrection(plates(gap), 1, offset=offset, flesh=flesh)
+        beds, x = correction.watch_beds(4e4), np.array([[0.0, 0.0, height]])
+        for step in range(5):
+            v = np.array([[0.0, 0.0, -1e-3]])
+            correction(x, v, np.ones(1), 1e-4, 1e-4 * step)
+        assert (correction.active == 0) == (name == "none")
+        found[name] = beds[0]
+    assert found == {"both": 2 * stiffness, "one": 0.0, "none": 0.0}
+    correction = VelocityCorrection(plates(1.5e-3), 1, offset=offset, flesh=flesh)
+    correction(np.zeros((1, 3)), np.zeros((1, 3)), np.ones(1), 1e-4, 0.0)
+    assert correction.state()["beds"].size == 0  # nobody asked
