@@ -14,8 +14,16 @@ from PIL import Image
 
 from shellform.pictures.surfaces import view_axes
 from shellform.pictures.views import view_from_the_right
-from shellform.pictures.walk import COLOURS, draw_box, draw_clothed, obstacle_of, read_frames
-from shellform.results.joint_torque import rows_until
+from shellform.pictures.walk import (
+    COLOURS,
+    curve_of,
+    draw_box,
+    draw_clothed,
+    draw_curve,
+    obstacle_of,
+    read_frames,
+)
+from shellform.results.mean_torque import mean_rows
 from shellform.scene.scene_file import read_scene
 from shellform.scene.wearer import wearer_of
 
@@ -42,9 +50,8 @@ def draw_keys(figure, wearer, frames):
 
 def draw_torque(axes, frames):
     for fabric, colour in zip(FABRICS, COLOURS, strict=False):
-        rows = [r for r in rows_until(RUN / fabric / "torque.csv", np.inf) if r["joint"] == JOINT]
-        time, torque = ([row[key] for row in rows] for key in ("time", "torque_flexion"))
-        axes.plot(time, torque, lw=1.4, label=f"{fabric} trousers", color=colour)
+        curve = curve_of(f"{fabric} trousers", mean_rows(RUN / fabric), JOINT)
+        draw_curve(axes, curve, colour, 1.4)
     axes.axhline(0, color="0.6", lw=0.6)
     for frame in frames:
         axes.axvline(frame.time, color="0.87", lw=0.8, zorder=0)

@@ -160,16 +160,18 @@ def work_over(force: np.ndarray, v_old: np.ndarray, v: np.ndarray, dt: float) ->
 @kernel
 def near_cosine(square: float) -> float:
     """Cosine of an angle whose square is below NEAR: the series, to roundoff."""
-    return 1.0 - square / 2.0 * (
-        1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0 * (1.0 - square / 90.0)))
+    x = square  # Horner's scheme; products, as quotients take ten times as long
+    return 1.0 - x * (1 / 2) * (
+        1.0 - x * (1 / 12) * (1.0 - x * (1 / 30) * (1.0 - x * (1 / 56) * (1.0 - x * (1 / 90))))
     )
 
 
 @kernel
 def near_sine(square: float) -> float:
     """Sine of an angle over the angle, whose square is below NEAR: the series, to roundoff."""
-    return 1.0 - square / 6.0 * (
-        1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0 * (1.0 - square / 110.0)))
+    x = square
+    return 1.0 - x * (1 / 6) * (
+        1.0 - x * (1 / 20) * (1.0 - x * (1 / 42) * (1.0 - x * (1 / 72) * (1.0 - x * (1 / 110))))
     )
 
 

@@ -36,6 +36,7 @@ class InternalForce:
     Attributes
     ----------
     r : (n_local, 6) float, forces work-conjugate to (u, d) [N, N m]; valid on owned nodes
+    quads : QuadForce, None where forms give the force
     loss : float [J], this rank's part of the power of damping in the last call, times its time
     """
 
@@ -44,19 +45,19 @@ class InternalForce:
         self._result = Function(shell.space)
         self.r = self._result.x.array.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
-        self._quads: QuadForce | None = None
+        self.quads: QuadForce | None = None
         self._packed: list[tuple] = []
         self._viscous: list[int] = []
         # load and weight of the arcs of each cell of a relaxed sheet
-        self._cells_give: tuple = (None, None)
+        self._cells_give: tuple[np.ndarray | None, np.ndarray | None] = (None, None)
         if by_segments(shell):
-            forms, self._quads = [], self._by_segments()
+            forms, self.quads = [], self._by_segments()
             if shell.wrinkles is not None:
                 self._cells_give = shell.wrinkles.load, shell.wrinkles.arcs
         else:
             forms = self._strain_forms()
         # of quads that the kernel does not know
-        self._membrane = None if self._quads is not None else shell.cell_membrane
+        self._membrane = None if self.quads is not None else shell.cell_membrane
         self._pressure = None
         if shell.loads.pressures:
             self._pressure = Constant(shell.mesh, 0.0)
@@ -142,8 +143,8 @@ class InternalForce:
         w = w.reshape(-1, 6)
         damped = self.damped and ahead is not None
         ahead = w if ahead is None or not damped else ahead.reshape(-1, 6)
-        if self._quads is not None:
-            self.loss = self._quads(w, self.r, ahead if damped else None, *self._cells_give, frozen)
+        if self.quads is not None:
+            self.loss = self.quads(w, self.r, ahead if damped else None, *self._cells_give, frozen)
         if self._forms:
             np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         if damped and self._viscous:
@@ -176,9 +177,10 @@ class InternalForce:
 
     def freeze(self, w: np.ndarray) -> np.ndarray | None:
         """Stress that relaxation adds at w to that of the taut sheet; None without relaxation."""
-        if self._quads is None or not self.shell.relaxed:
+        load, arcs = self._cells_give
+        if self.quads is None or load is None or arcs is None:
             return None
-        return self._quads.freeze(w.reshape(-1, 6), *self._cells_give)
+        return self.quads.freeze(w.reshape(-1, 6), load, arcs)
 
 
 def by_segments(shell: Shell) -> bool:

@@ -25,8 +25,10 @@ configuration. */
 #ifndef W
 #ifdef __AVX512F__
 #define W 8
-#else
+#elif defined __AVX__
 #define W 4
+#else
+#define W 2
 #endif
 #endif
 
@@ -46,7 +48,7 @@ typedef struct { vector3 force, couple; } load;          /* conjugate to x and d
 enum { SHEAR = 12, BENDING = 24, REST = 12 };            /* shared by both membranes */
 enum { STIFFNESS = 21, LENGTHS = 6 };                    /* resolved membrane */
 enum { STRAIN = 18, MODES = 12, AREA = 1, CHORDS = 6, ARCS = 6 }; /* relaxed membrane */
-enum { SAMPLES = 28, NEWTON = 6 };
+enum { SAMPLES = 24, NEWTON = 6 };
 
 /* The fabric, one in the whole sheet: see taut_fibres.py. Fibres at an angle theta are
    v = (cos^2, sin^2, cos sin). */

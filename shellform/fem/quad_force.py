@@ -43,6 +43,10 @@ class QuadForce:
     warp : (3,), (m, 3) or None; fabric : Sheet
     relaxed : bool
 
+    Attributes
+    ----------
+    nbytes : int, of what a call reads besides the fields
+
     Raises
     ------
     RuntimeError if there is no C compiler
@@ -63,13 +67,14 @@ class QuadForce:
         padded = np.concatenate([cells, np.repeat(cells[-1:], -len(cells) % width, axis=0)])
         blocks = padded.reshape(-1, width, 4).transpose(0, 2, 1)
         self._none = self._ffi.NULL
-        self.arrays = [
+        arrays = [
             np.ascontiguousarray(blocks, np.int32),
             np.ascontiguousarray(points, float),
             in_blocks(at_rest(points, directors, cells, warp, fabric, relaxed), width),
         ]
+        self.nbytes = sum(array.nbytes for array in arrays)
         kinds = ["int[]", *["double[]"] * 2]
-        self._fixed = [self._ffi.from_buffer(k, a) for k, a in zip(kinds, self.arrays, strict=True)]
+        self._fixed = [self._ffi.from_buffer(k, a) for k, a in zip(kinds, arrays, strict=True)]
         self._fixed.append(self._pointer(table(fabric.membrane)) if relaxed else self._none)
 
     def __call__(

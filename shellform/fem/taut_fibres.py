@@ -10,7 +10,7 @@ samples are spaced evenly in the integral of (v.C^-1.v)^-1/2, geometrically abou
 
 import numpy as np
 
-SAMPLES = 28  # as in quad_force.c
+SAMPLES = 24  # as in quad_force.c
 
 
 def fibre_compliance(membrane: np.ndarray) -> np.ndarray:

@@ -21,10 +21,14 @@ from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
 from shellform.material.card import fabric_of
 from shellform.motion.wearer import Wearer
-from shellform.scene.garment import garment_of
+from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
 
+WRINKLES = {
+    "relaxed": "relaxed: those smaller than a cell let go of compression",
+    "resolved": "resolved: cells alone fold",
+}
 SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
 
 
@@ -50,7 +54,8 @@ def plan_of(
     surface = garment_of(scene, wearer) if surface is None else surface
     near = dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
-    terms = [*terms_of(fabric_of(scene.fabric)), "inertia", "rotary inertia"]
+    fabric = fabric_of(scene.fabric)
+    terms = [*terms_of(fabric), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
     plan: dict = {
         "element": f"{surface.kind} of degree {surface.degree}",
@@ -66,7 +71,7 @@ def plan_of(
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
     recording = wearer.recording
     plan |= {
-        "wrinkles": scene.garment.wrinkles,
+        "wrinkles": wrinkles_of(scene.garment, surface, fabric),
         "runs": scene.runs,
         "motion": {"source": str(recording.source), "start": wearer.start, "end": wearer.end},
         "joints": list(wearer.joints),
@@ -100,6 +105,8 @@ def plan_lines(plan: dict) -> list[str]:
         model, most = plan["dressing"].values()
         held = f"a belt of {plan['belt']:g} N" if "belt" in plan else "no belt"
         lines.append(f"dressing   by {model} in {most:.1f} s at most, {held}")
+    if "wrinkles" in plan:
+        lines.append(f"wrinkles   {WRINKLES[plan['wrinkles']]}")
     if "runs" in plan:
         runs = "one, without a band" if plan["runs"] == 1 else f"{plan['runs']}, their mean is told"
         lines.append(f"runs       {runs}")

@@ -170,7 +170,7 @@ def test_drape_is_the_same_on_any_number_of_ranks(tmp_path):
 
 
 def test_profile_of_a_step(tmp_path):
-    """Parts add up to the whole, and counted operations are those of the force that is run."""
+    """Parts add up to the whole; what a step moves is at least its fields."""
     done = run(
         "-m",
         "demos.studies.performance.profile_step",
@@ -187,9 +187,7 @@ def test_profile_of_a_step(tmp_path):
         whole = found.pop("all")
         assert sum(found.values()) == pytest.approx(whole, rel=1e-9)
         assert found["internal force"] > 0 and found["contact"] > 0
-    counted = results["operations_a_cell"]
-    assert 1000 < counted["undamped"] < counted["damped"]
-    assert min(results["limits"].values()) > 1e8
+    assert results["bytes_a_node"] > 3 * 48 and results["bytes_a_second"] > 1e8
     assert done.stdout.splitlines()[0].count("|") == 2 + len(results["columns"])
 
 

@@ -135,7 +135,9 @@ def test_ensemble_of_a_short_walk(ensemble):
         error = rms.std(ddof=1) / 3**0.5
         assert numbers["rms_torque_error"] == pytest.approx(error, rel=1e-4)
         assert abs(numbers["peak_torque"]) == pytest.approx(np.abs(within.torque.mean(0)).max())
-        assert numbers["peak_torque_error"] > 0 and numbers["work_error"] > 0
+        touched = numbers["peak_torque"] != 0.0  # the hem may hang free of a foot
+        assert (numbers["peak_torque_error"] > 0) == (numbers["work_error"] > 0) == touched
+        assert touched or joint.endswith("ankle")
     begin, end = results["counted_s"]
     assert within.times[0] > begin and within.times[-1] == pytest.approx(end)
     summary = json.loads((out / "summary.json").read_text())
@@ -177,7 +179,7 @@ def test_interrupted_ensemble_goes_on(ensemble, tmp_path):
     words = [sys.executable, "-m", "shellform", *words, "--no-pictures"]
     program = subprocess.Popen([*map(str, words)], stderr=subprocess.PIPE, text=True)
     end = time.monotonic() + PATIENCE
-    while not (out / "torque.csv").is_file() and time.monotonic() < end:
+    while not (out / "checkpoint.npz").is_file() and time.monotonic() < end:
         time.sleep(0.05)
     program.send_signal(signal.SIGINT)
     said = program.communicate(timeout=PATIENCE)[1]

@@ -113,7 +113,7 @@ def test_killed_run_goes_on(walked, killed, tmp_path):
 @pytest.mark.serial
 @pytest.mark.slow
 def test_killed_run_goes_on_on_two_ranks(walked, killed, tmp_path):
-    """Sums in another order: 1e-6 of the largest torque for 0.1 s, then chaos."""
+    """Sums in another order: 1e-6 of the largest torque for 60 ms, then chaos."""
     out = copied(killed, tmp_path)
     with np.load(out / "checkpoint.npz") as state:
         done = int(state["done"])
@@ -124,7 +124,7 @@ def test_killed_run_goes_on_on_two_ranks(walked, killed, tmp_path):
     print("two ranks: windows differ by", *(f"{x:.0e}" for x in off[done:]))
     assert one.shape == two.shape
     assert np.array_equal(one[:done], two[:done])  # rows of the file
-    assert off[done : done + 5].max() < 1e-6
+    assert off[done : done + 3].max() < 1e-6
     found = json.loads((out / "summary.json").read_text())
     assert found["ranks"] == 2 and found["results"]["force_balance_error"] < 1e-6
 

@@ -2,8 +2,9 @@
 """A dressed wearer walks: forces add up, torques turn with the scene, files are complete.
 
 The walk is short: out of the second stride of the synthetic walk, with a quick way into it. Cloth
-that folds is chaotic: a difference of roundoff grows tenfold in 20 ms or so, so two runs that are
-equal but for roundoff, which settle for 0.1 s before, are compared for 60 ms.
+that folds is chaotic: a difference of roundoff grows some hundredfold in 20 ms where it is relaxed,
+so two runs that are equal but for roundoff, which settle for 0.1 s before, are compared for 60 ms,
+to a hundredth; what they are compared with differs by a tenth at least.
 """
 
 import json
@@ -151,12 +152,12 @@ def walks(monkeypatch, tmp_path):
 
 
 def compared(what, one, other):
-    """Differences of the windows over the largest torque; asserts the first three: 1e-3."""
+    """Differences of the windows over the largest torque; asserts the first three: 1e-2."""
     size = np.abs(one[:3]).max()
     off = np.abs(one - other).max(axis=(1, 2)) / size
     print(f"{what}: largest torque {size:.3f} N m; windows differ by", *(f"{x:.0e}" for x in off))
     assert size > 0.05
-    assert off[:3].max() < 1e-3
+    assert off[:3].max() < 1e-2
 
 
 @pytest.mark.serial

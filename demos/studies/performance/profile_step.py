@@ -6,10 +6,8 @@ r"""Where the time of an explicit step goes, and how far that is from what the m
     mpirun -n 2 python -m demos.studies.performance.profile_step         # with what ranks exchange
 
 prints microseconds a node and step and the share of every part, as a table, and leaves
-summary.json. The machine's two limits are measured too: a triad a = b + s c for the traffic to
-memory, polynomials in vector registers for arithmetic. Against them stand the arrays that a step
-must touch at least once, and the operations of the force, counted by running its Python on numbers
-that count.
+summary.json. The machine's limit is measured too: a triad a = b + s c for the traffic to memory.
+Against it stand the arrays that a step must touch at least once.
 """
 
 import argparse
@@ -17,7 +15,6 @@ import time
 from collections import Counter
 from contextlib import contextmanager
 from pathlib import Path
-from types import FunctionType
 
 from mpi4py import MPI
 
@@ -33,7 +30,6 @@ from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.external_force import ExternalForce
 from shellform.dynamics.time_stepper import Stepper
 from shellform.fem.internal_force import InternalForce
-from shellform.fem.quad_kernel import add_force
 from shellform.results.joint_torque import Torque
 from shellform.results.report import Report
 from shellform.results.skin_pressure import Pressure
@@ -131,88 +127,15 @@ def triad(a, b, c, scale):
         a[i] = b[i] + scale * c[i]
 
 
-@numba.njit(cache=True, fastmath={"contract", "nsz"})
-def polynomial(values, x, y):
-    """64 times v x + y of every value, which the compiler turns into vector instructions."""
-    for i in range(len(values)):
-        v = values[i]
-        for _ in range(64):
-            v = v * x + y
-        values[i] = v
-
-
-def limits(size=8_000_000, rounds=40):
-    """Bytes and operations a second of one core, the best of five."""
+def bandwidth(size=8_000_000):
+    """Bytes a second that one core moves, the best of five."""
     a, b, c = np.zeros((3, size))
-    few, best = np.ones(4096), [np.inf, np.inf]
+    best = np.inf
     for _ in range(6):  # the first compiles
         start = time.perf_counter()
         triad(a, b, c, 0.5)
-        middle = time.perf_counter()
-        for _ in range(rounds):
-            polynomial(few, 0.999, 0.001)
-        end = time.perf_counter()
-        best = [min(best[0], middle - start), min(best[1], end - middle)]
-    return {"bytes": 24.0 * size / best[0], "operations": 128.0 * len(few) * rounds / best[1]}
-
-
-class Counting:
-    """A number that counts what is done with it."""
-
-    done = 0
-
-    def __init__(self, value):
-        self.value = float(value)
-
-    def _do(self, other, result):
-        Counting.done += 1
-        return Counting(result(self.value, float(getattr(other, "value", other))))
-
-    def __add__(self, other):
-        return self._do(other, lambda a, b: a + b)
-
-    def __sub__(self, other):
-        return self._do(other, lambda a, b: a - b)
-
-    def __rsub__(self, other):
-        return self._do(other, lambda a, b: b - a)
-
-    def __mul__(self, other):
-        return self._do(other, lambda a, b: a * b)
-
-    def __truediv__(self, other):
-        return self._do(other, lambda a, b: a / b)
-
-    def __rtruediv__(self, other):
-        return self._do(other, lambda a, b: b / a)
-
-    def __neg__(self):
-        return Counting(-self.value)
-
-    __radd__, __rmul__ = __add__, __mul__
-
-
-def interpreted(compiled):
-    """The Python of a numba function and of all it calls."""
-    function = compiled.py_func
-    names = dict(function.__globals__)
-    for name in function.__code__.co_names:
-        if hasattr(names.get(name), "py_func"):
-            names[name] = interpreted(names[name])
-    return FunctionType(function.__code__, names)
-
-
-def operations(damped):
-    """Sums, products and quotients of the force of one cell."""
-    counted = np.vectorize(Counting, otypes=[object])
-    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.1]])
-    w = np.concatenate([0 * points, np.tile([0.0, 0.0, 1.0], (4, 1))], axis=1)
-    cell, r = np.array([[0, 1, 2, 3]]), counted(np.zeros((4, 6)))
-    given = [counted(a) for a in (points, np.ones((1, 4, 15)), np.zeros((1, 18)))]
-    Counting.done = 0
-    force = interpreted(add_force)
-    force(counted(w), counted(w + 0.01), damped, given[0], cell, given[1], given[2], r)
-    return Counting.done
+        best = min(best, time.perf_counter() - start)
+    return 24.0 * size / best
 
 
 def traffic(stepper):
@@ -220,7 +143,7 @@ def traffic(stepper):
     meter = Meter()
     with meter.watching():
         stepper.advance(stepper.time + stepper.dt)
-    quads = sum(a.nbytes for a in stepper.force_model.internal._quads)
+    quads = stepper.force_model.internal.quads.nbytes
     nodal = meter.bytes["nodal kernels"]
     return (quads + 3 * stepper.owned.nbytes + nodal) / len(stepper.mass)
 
@@ -261,19 +184,12 @@ def table(columns):
     return lines
 
 
-def table_lines(best, moved, counted):
-    """Lines for a person on the machine's limits."""
-    rate = best["operations"]
-    lines = [
-        f"\none core moves {1e-9 * best['bytes']:.1f} GB/s: the {moved:.0f} bytes a node of a step "
-        f"take {1e6 * moved / best['bytes']:.3f} us"
-    ]
-    for name, count in counted.items():
-        lines.append(
-            f"and does {1e-9 * rate:.1f}e9 operations a second: the {count} of the {name} force of "
-            f"a cell take {1e6 * count / rate:.3f} us"
-        )
-    return lines
+def limit_line(best, moved):
+    """Line for a person on the machine's limit."""
+    return (
+        f"\none core moves {1e-9 * best:.1f} GB/s: the {moved:.0f} bytes a node of a step "
+        f"take {1e6 * moved / best:.3f} us"
+    )
 
 
 def arguments(given):
@@ -298,15 +214,12 @@ def main(given=None):
         if options.walk:
             columns["walk"], stepper = walk()
     report.describe(stepper.shell)
-    best = limits()
-    counted = {"undamped": operations(False), "damped": operations(True)}
-    results = {
-        "columns": columns, "limits": best, "operations_a_cell": counted, "bytes_a_node": moved
-    }  # fmt: skip
+    best = bandwidth()
+    results = {"columns": columns, "bytes_a_second": best, "bytes_a_node": moved}
     report.write(results, steps=stepper.steps, newton_iterations=0)
     if COMM.rank == 0:
         print("\n".join(table(columns)))
-        print("\n".join(table_lines(best, moved, counted)))
+        print(limit_line(best, moved))
         print(f"wrote {options.out}/summary.json")
 
 
