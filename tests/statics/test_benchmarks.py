@@ -140,10 +140,18 @@ def test_cantilever_under_end_shear(table):
 
 
 @pytest.mark.slow
-def test_slit_annulus(table):
-    """Sze 3.3: 40x5 9-node quads within 0.6 % at full load."""
+@pytest.mark.parametrize(
+    ("cells", "degree", "bar"),
+    [((40, 5), 2, 6e-3), ((40, 6), 1, 1.7e-2), ((80, 12), 1, 1e-2)],
+    ids=["nine nodes", "quads", "finer quads"],
+)
+def test_slit_annulus(table, cells, degree, bar):
+    """Sze 3.3 at full load: 40x5 9-node quads within 0.6 %, 40x6 quads 1.7 %, 80x12 1 %.
+
+    What is missing falls with the first power of the cells across: 1.6 % of 6, 1.0 % of 12.
+    """
     rows = table("3.3")
-    surface = meshes.annulus(6.0, 10.0, (40, 5), degree=2)
+    surface = meshes.annulus(6.0, 10.0, cells, degree=degree)
     shell = Shell(surface, Fabric.isotropic(21e6, 0.0, 0.03, 1.0))
     shell.supports.clamp("start")
     shell.loads.line("end", (0.0, 0.0, 0.8))
@@ -152,7 +160,9 @@ def test_slit_annulus(table):
     lip = np.unique(surface.edges["end"])
     radius = np.linalg.norm(surface.points[lip], axis=1)
     corners = lip[[radius.argmin(), radius.argmax()]]
-    assert shell.displacements()[corners, 2] == pytest.approx(rows[-1, 1:], rel=6e-3)
+    found = shell.displacements()[corners, 2]
+    print(f"\nslit annulus {cells}: {found}, off by {100 * (found / rows[-1, 1:] - 1)} %")
+    assert found == pytest.approx(rows[-1, 1:], rel=bar)
 
 
 def hemisphere(cells, degree):
