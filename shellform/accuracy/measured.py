@@ -66,7 +66,11 @@ def cost(case: str, family: str, path: Path = TABLE) -> tuple[float, float, floa
     """Core-seconds a step (at no nodes, a node), MB (at no nodes, a node), by least squares."""
     from scipy.optimize import nnls
 
-    rows = [r for r in read(path) if (r["case"], r["family"], r["kind"]) == (case, family, "mesh")]
+    rows = [
+        r
+        for r in read(path)
+        if (r["case"], r["family"], r["kind"]) == (case, family, "mesh") and r["core_seconds"] > 0
+    ]
     nodes = np.array([row["nodes"] for row in rows])
     per_step = np.array([row["core_seconds"] / row["steps"] for row in rows])
     A = np.column_stack([np.ones_like(nodes), nodes])

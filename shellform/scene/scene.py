@@ -76,6 +76,6 @@ class Scene:
     def choice(self) -> Choice:
         """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
         length = garment_length(fabric_of(self.fabric))
-        choice = choose("walk", self.steps.accuracy, length)
+        choice = replace(choose("walk", self.steps.accuracy, length), runs=self.runs)
         given = self.garment.cell_size
         return replace(choice.at(given), asked=None, kept=True) if given else choice
