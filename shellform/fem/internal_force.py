@@ -48,7 +48,7 @@ class InternalForce:
         self._packed: list[tuple] = []
         self._viscous: list[int] = []
         # load and weight of the arcs of each cell of a relaxed sheet
-        self._cells_give: tuple = (None, None)
+        self._cells_give: tuple[np.ndarray | None, np.ndarray | None] = (None, None)
         if by_segments(shell):
             forms, self._quads = [], self._by_segments()
             if shell.wrinkles is not None:
@@ -176,9 +176,10 @@ class InternalForce:
 
     def freeze(self, w: np.ndarray) -> np.ndarray | None:
         """Stress that relaxation adds at w to that of the taut sheet; None without relaxation."""
-        if self._quads is None or not self.shell.relaxed:
+        load, arcs = self._cells_give
+        if self._quads is None or load is None or arcs is None:
             return None
-        return self._quads.freeze(w.reshape(-1, 6), *self._cells_give)
+        return self._quads.freeze(w.reshape(-1, 6), load, arcs)
 
 
 def by_segments(shell: Shell) -> bool:

@@ -6,7 +6,8 @@ from inspect import signature
 import numpy as np
 
 import meshes
-from shellform.material.card import fabric_of
+from shellform.fem.wrinkles import folds_resolved
+from shellform.material.sheet import Sheet
 from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
 
@@ -15,9 +16,6 @@ from .parts import Garment
 from .scene import Scene
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
-# of the bending length: full cells of half of it still leave walks 5 % too much torque in compliant
-# cloth, of a quarter 20 % in stiff cloth
-RESOLVED = 0.2
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
 
 
@@ -44,21 +42,6 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     return surface
 
 
-def wrinkles_of(scene: Scene, surface: meshes.Surface) -> str:
-    """'relaxed' or 'resolved', of a scene's garment; see `Garment.wrinkles`.
-
-    By itself a sheet whose cells fold as it does is resolved: cells below RESOLVED of its bending
-    length, as of armour. So is one that cannot be relaxed: triangles, or plies that couple bending
-    with stretching.
-    """
-    asked, fabric = scene.garment.wrinkles, fabric_of(scene.fabric)
-    if asked != "auto":
-        return asked
-    possible = surface.cells.shape[1] == 4 and not np.any(fabric.coupling)
-    folds = surface.mean_cell_size <= RESOLVED * fabric.bending_length()
-    return "resolved" if folds or not possible else "relaxed"
-
-
 def pattern_of(garment: Garment) -> meshes.Pattern:
     """Pattern of a garment's kind; ValueError for a kind, a size or a measure that is not there."""
     kind, pattern = garment.kind, meshes.GARMENTS.get(garment.kind)
@@ -77,6 +60,22 @@ def pattern_of(garment: Garment) -> meshes.Pattern:
                 f"garment.measures: no '{name}' of {kind}; there are {', '.join(known)}"
             )
     return pattern
+
+
+def wrinkles_of(garment: Garment, surface: meshes.Surface, fabric: Sheet) -> str:
+    """'relaxed' or 'resolved': as the scene says, or by whether cells show the folds of the cloth.
+
+    ValueError where a garment is to be relaxed that is not made of 4-node quads.
+    """
+    quads = surface.cells.shape[1] == 4
+    if garment.wrinkles == "auto":
+        return "relaxed" if quads and not folds_resolved(surface, fabric) else "resolved"
+    if garment.wrinkles == "relaxed" and not quads:
+        raise ValueError(
+            f"garment.wrinkles = 'relaxed' is for 4-node quads, {surface.source} has "
+            f"{surface.kind}s: mesh it with quads, or say 'resolved'"
+        )
+    return garment.wrinkles
 
 
 def made_by_measures(

@@ -41,12 +41,9 @@ class Model:
         self.whole = wearer_of(scene)
         self.surface = garment_of(scene, self.whole)
         self.wearer = dressed_wearer(scene, self.whole, self.surface)
-        self.shell = Shell(
-            self.surface,
-            fabric_of(scene.fabric),
-            comm,
-            wrinkles=wrinkles_of(scene, self.surface),
-        )
+        fabric = fabric_of(scene.fabric)
+        wrinkles = wrinkles_of(scene.garment, self.surface, fabric)
+        self.shell = Shell(self.surface, fabric, comm, wrinkles=wrinkles)
         if scene.gravity:
             self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
         steps = scene.steps

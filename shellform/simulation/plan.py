@@ -54,7 +54,8 @@ def plan_of(
     surface = garment_of(scene, wearer) if surface is None else surface
     near = dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
-    terms = [*terms_of(fabric_of(scene.fabric)), "inertia", "rotary inertia"]
+    fabric = fabric_of(scene.fabric)
+    terms = [*terms_of(fabric), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
     plan: dict = {
         "element": f"{surface.kind} of degree {surface.degree}",
@@ -70,7 +71,7 @@ def plan_of(
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
     recording = wearer.recording
     plan |= {
-        "wrinkles": wrinkles_of(scene, surface),
+        "wrinkles": wrinkles_of(scene.garment, surface, fabric),
         "runs": scene.runs,
         "motion": {"source": str(recording.source), "start": wearer.start, "end": wearer.end},
         "joints": list(wearer.joints),
