@@ -104,11 +104,9 @@ _HOMES = {
     "check": "shellform.simulation.check",
     "read_fabric": "shellform.material.card",
     "read_motion": "shellform.motion.capture.read_motion",
-    "resume": "shellform.simulation.run",
-    "run": "shellform.simulation.run",
-    "strides": "shellform.motion.gait.strides",
     "resume": "shellform.simulation.ensemble",
     "run": "shellform.simulation.ensemble",
+    "strides": "shellform.motion.gait.strides",
     "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
 

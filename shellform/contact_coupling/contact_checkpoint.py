@@ -28,6 +28,8 @@ def saved(contact: Any) -> dict[str, Any]:
     whole["look"] = partition.gather(looks, root=0)
     if contact.watches_beds:
         whole["bed_stiffness"] = partition.gather(contact.bed_stiffness[:, None], root=0)
+    if contact.pressed is not None:
+        whole["pressed_beds"] = partition.gather(contact.pressed.beds[:, None], root=0)
     if contact.inner is not None:
         cells = partition.nodes[contact.cells]
         looks, whole["sample_look_body"] = contact.inner.looks()
@@ -50,6 +52,8 @@ def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None
     contact.correction.take_looks(state["look"][nodes], state["look_body"])
     if "bed_stiffness" in state:
         contact.bed_stiffness[:] = state["bed_stiffness"][nodes, 0]
+    if contact.pressed is not None:
+        contact.pressed.restore(contact.stepper, state["pressed_beds"][nodes, 0])
     if contact.inner is not None:
         kept, own = state.get("sample_segment"), _by_cell(contact)
         if kept is None or kept.shape[1] != own.shape[1]:

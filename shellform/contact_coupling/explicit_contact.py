@@ -31,7 +31,7 @@ from contact.solver.cell_samples import (
     spread,
     too_thin,
 )
-from contact.solver.contact_ledger import book_loss
+from contact.solver.contact_ledger import WORK, book_loss
 from contact.solver.friction import Friction
 from contact.solver.velocity_correction import VelocityCorrection
 from shellform.dynamics.part import RunningContact
@@ -39,6 +39,7 @@ from shellform.fem.dolfinx_compat import Function, add_ghosts, cell_nodes, vecto
 from shellform.fem.partition import DOLFINX_ORDER
 
 from . import contact_checkpoint
+from .pressed_cells import PressedCells
 
 
 @kernel
@@ -63,6 +64,7 @@ class ExplicitContact(RunningContact):
     body, last, window, ... : see RunningContact
     correction : VelocityCorrection, with its counters and ledgers, those of samples included
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
+    pressed : PressedCells of a relaxed sheet on several segments, or None
     notes : list of str, ellipsoids that can pass between the points that are met
 
     Raises
@@ -99,6 +101,9 @@ class ExplicitContact(RunningContact):
         k: Any = 0 if samples == "nodes" else samples
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
+        self.pressed = None
+        if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
+            self.pressed = PressedCells(stepper)
         size = stepper.shell.surface.mean_cell_size
         self.notes = too_thin(body, size, offset, k)
 
@@ -184,6 +189,10 @@ class ExplicitContact(RunningContact):
             self._give_back(stepper, last.impulse, book=True)
         if self.inner is not None:
             self._meet_inside(stepper, dt)
+        if self.pressed is not None:
+            work = self.pressed.look(stepper, self.bed_stiffness)
+            for ledger in (last, self.window):
+                ledger.table[0, WORK] += work
         self.seconds += time.perf_counter() - start
 
     def _give_back(self, stepper, impulse, book=False):
@@ -240,13 +249,16 @@ class ExplicitContact(RunningContact):
     def touched(self) -> Any:
         """What the next step needs to know of this one (copies)."""
         inner = None if self.inner is None else self.inner.state()
-        return {"nodes": self.correction.state(), "inner": inner}
+        pressed = None if self.pressed is None else self.pressed.beds.copy()
+        return {"nodes": self.correction.state(), "inner": inner, "pressed": pressed}
 
     def set_touched(self, touched: Any) -> None:
         """Continue from `touched()`."""
         self.correction.restore(touched["nodes"])
         if self.inner is not None:
             self.inner.restore(touched["inner"])
+        if self.pressed is not None:
+            self.pressed.restore(self.stepper, touched["pressed"])
 
     def state(self) -> Any:
         """What is touched and what the window holds, for `restore` (copies)."""

@@ -21,11 +21,12 @@ from meshes import Surface
 from shellform.material.energy import StVenant, is_quadratic
 from shellform.material.sheet import Sheet
 
+from .arc import half_length_squared
 from .dolfinx_compat import cell_nodes, given_cells
 from .membrane_law import Density, MembraneLaw, Quadratic, Relaxed
 from .partition import Partition
 from .segment_forms import WIDTH, SegmentForms
-from .six_lengths import six_lengths
+from .six_lengths import FIRST, SECOND, six_lengths
 from .wrinkles import Wrinkles
 
 SPARE_STIFFNESS = 1e-4  # share of the taut stiffness in the tangent of cells that wrinkle
@@ -64,6 +65,7 @@ class CellMembrane:
         self._forms = SegmentForms(mesh, points, weighted=relaxed)
         self._stiffness = np.asarray(fabric.membrane)
         self.wrinkles: Wrinkles | None = None
+        self._points, self._given = points, np.zeros(len(points))
         self.law: MembraneLaw
         if relaxed:
             self.wrinkles = Wrinkles(fabric, np.sqrt(self.area))
@@ -84,6 +86,35 @@ class CellMembrane:
         density, *_ = self.law(np.einsum("mij,mj->mi", self.B, s))
         bending = np.einsum("mki,mi->mk", self.modes, s)
         return float(self.area @ density + 0.5 * np.sum(bending**2))
+
+    def set_beds(self, stiffness: np.ndarray, w: np.ndarray) -> float:
+        """Take over beds (m,) [Pa/m] of a relaxed sheet; the energy [J] that this adds at w."""
+        wrinkles = self.wrinkles
+        if wrinkles is None:
+            raise ValueError("a sheet with wrinkles='resolved' has no beds")
+        new = np.flatnonzero(stiffness != self._given)
+        if not len(new):
+            return 0.0
+        before = self._stored(new, w)
+        self._given[:] = stiffness
+        wrinkles.set_beds(self._given)
+        return self._stored(new, w) - before
+
+    def _stored(self, cells, w):
+        """Energy [J] of the strain of some cells, without the modes of bending in plane."""
+        nodes = np.reshape(w, -1)[self._index[cells]].reshape(-1, 4, 6)
+        rest = self._reference.reshape(-1)[self._index[cells]].reshape(-1, 4, 6)
+        s = self._of_arcs(cells, nodes) - self._of_arcs(cells, rest)
+        energy, *_ = self.law(np.einsum("mij,mj->mi", self.B[cells], s), cells)
+        return float(self.area[cells] @ energy)
+
+    def _of_arcs(self, cells, w):
+        x, d = (
+            field[:, SECOND] - field[:, FIRST]
+            for field in (self._points[cells] + w[:, :, :3], w[:, :, 3:])
+        )
+        products = (np.sum(a * b, axis=2) for a, b in ((x, x), (x, d), (d, d)))
+        return half_length_squared(*products, self._forms.arcs[cells, None])
 
     def add_force(
         self,

@@ -33,9 +33,12 @@ Answer = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 class MembraneLaw(Protocol):
-    """Energy (m,) [J/m^2], stress (m, 3) and tangent (m, 3, 3) [N/m] of strains (m, 3)."""
+    """Energy (m,) [J/m^2], stress (m, 3) and tangent (m, 3, 3) [N/m] of strains (m, 3).
 
-    def __call__(self, E: np.ndarray) -> Answer: ...
+    `cells` (m,) int names those whose strains are given, None: all of this rank.
+    """
+
+    def __call__(self, E: np.ndarray, cells: np.ndarray | None = None) -> Answer: ...
 
 
 class Quadratic:
@@ -44,7 +47,7 @@ class Quadratic:
     def __init__(self, membrane: np.ndarray):
         self._membrane = membrane
 
-    def __call__(self, E: np.ndarray) -> Answer:
+    def __call__(self, E: np.ndarray, cells: np.ndarray | None = None) -> Answer:
         stress = E @ self._membrane
         tangent = np.broadcast_to(self._membrane, (len(E), 3, 3))
         return 0.5 * np.sum(stress * E, axis=1), stress, tangent
@@ -59,7 +62,7 @@ class Relaxed:
 
     Attributes
     ----------
-    state, direction : (m,), of the strains asked for last, see `relax`
+    state, direction : (m,), of the strains of all cells asked for last, see `relax`
     """
 
     def __init__(self, membrane: np.ndarray, wrinkles: Wrinkles):
@@ -68,13 +71,15 @@ class Relaxed:
         self.state = np.zeros(len(wrinkles.load), np.int64)
         self.direction = np.zeros(len(wrinkles.load))
 
-    def __call__(self, E: np.ndarray) -> Answer:
-        energy, stress, tangent = np.empty(len(E)), np.empty((len(E), 3)), np.empty((len(E), 3, 3))
-        relax(
-            *(np.ascontiguousarray(E), self._membrane, self._compliance, self._angles),
-            *(self._wrinkles.load, energy, stress, tangent, self.state, self.direction),
-        )
-        return energy, stress, tangent
+    def __call__(self, E: np.ndarray, cells: np.ndarray | None = None) -> Answer:
+        m, load = len(E), self._wrinkles.load
+        answer = np.empty(m), np.empty((m, 3)), np.empty((m, 3, 3))
+        kept = self.state, self.direction
+        if cells is not None:
+            load, kept = load[cells], (np.empty(m, np.int64), np.empty(m))
+        fixed = self._membrane, self._compliance, self._angles
+        relax(np.ascontiguousarray(E), *fixed, load, *answer, *kept)
+        return answer
 
 
 class Density:
@@ -104,7 +109,7 @@ class Density:
         form = tested / ufl.sqrt(ufl.dot(normal, normal)) * measure(mesh, "centre")
         ((self._form,),) = compiled([(form,)])
 
-    def __call__(self, E: np.ndarray) -> Answer:
+    def __call__(self, E: np.ndarray, cells: np.ndarray | None = None) -> Answer:
         self._E.x.array.reshape(-1, 3)[self._where] = E
         out = np.zeros((len(E), 13))
         packed = pack_constants(self._form), pack_coefficients(self._form)

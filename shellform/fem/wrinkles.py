@@ -26,21 +26,24 @@ class Wrinkles:
 
     Attributes
     ----------
+    beds : (m,) float, stiffness [Pa/m] of what holds each cell flat
     load : (m,) float, N_c [N/m]; arcs : (m,) float, weight of arcs in lengths; both read anew by
         each evaluation of the membrane, `set_beds` writes them
     """
 
     def __init__(self, fabric: Sheet, sizes: np.ndarray):
         self._bending = float(np.sqrt(fabric.bending[0, 0] * fabric.bending[1, 1]))
-        self._sizes = sizes
+        # no wave is shorter than the sheet is thick on either side
+        self._stiffest = self._bending * (np.pi / fabric.thickness) ** 4
+        self._sizes, self.beds = sizes, np.zeros(len(sizes))
         self.load = wrinkling_load(self._bending, sizes)
         self.arcs = np.ones(len(sizes))
 
     def set_beds(self, stiffness: np.ndarray | float) -> None:
         """Take over the stiffness (m,) [Pa/m] of the beds that hold each cell; 0 in the open."""
-        stiffness = np.broadcast_to(np.asarray(stiffness, float), self.load.shape)
-        self.load[:] = wrinkling_load(self._bending, self._sizes, stiffness)
-        self.arcs[:] = stiffness == 0.0
+        self.beds[:] = np.minimum(stiffness, self._stiffest)
+        self.load[:] = wrinkling_load(self._bending, self._sizes, self.beds)
+        self.arcs[:] = self.beds == 0.0
 
 
 def folds_resolved(surface: Surface, fabric: Sheet) -> bool:

@@ -6,6 +6,8 @@ from inspect import signature
 import numpy as np
 
 import meshes
+from shellform.fem.wrinkles import folds_resolved
+from shellform.material.sheet import Sheet
 from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
 
@@ -58,6 +60,22 @@ def pattern_of(garment: Garment) -> meshes.Pattern:
                 f"garment.measures: no '{name}' of {kind}; there are {', '.join(known)}"
             )
     return pattern
+
+
+def wrinkles_of(garment: Garment, surface: meshes.Surface, fabric: Sheet) -> str:
+    """'relaxed' or 'resolved': as the scene says, or by whether cells show the folds of the cloth.
+
+    ValueError where a garment is to be relaxed that is not made of 4-node quads.
+    """
+    quads = surface.cells.shape[1] == 4
+    if garment.wrinkles == "auto":
+        return "relaxed" if quads and not folds_resolved(surface, fabric) else "resolved"
+    if garment.wrinkles == "relaxed" and not quads:
+        raise ValueError(
+            f"garment.wrinkles = 'relaxed' is for 4-node quads, {surface.source} has "
+            f"{surface.kind}s: mesh it with quads, or say 'resolved'"
+        )
+    return garment.wrinkles
 
 
 def made_by_measures(

@@ -10,6 +10,7 @@ from mpi4py import MPI
 import numpy as np
 
 from shellform.dressing.procedure import Dressing
+from shellform.fem.wrinkles import folds_resolved
 from shellform.motion.stance import stance
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import as_scene
@@ -75,10 +76,15 @@ def _garment_lines(model: Model) -> list[str]:
         f"{model.weight:.3f} N",
         *(f"           {line}" for line in fabric.summary().splitlines()),
     ]
-    if size > held:
+    if model.shell.relaxed:
         lines.append(
-            f"           cells of {1e3 * size:.0f} mm are larger than the bending length "
-            f"{1e3 * held:.0f} mm: folds of that size are not resolved"
+            f"           wrinkles are smaller than cells of {1e3 * size:.0f} mm (bending length "
+            f"{1e3 * held:.0f} mm): the membrane is relaxed"
+        )
+    elif not folds_resolved(surface, fabric):
+        lines.append(
+            f"           cells of {1e3 * size:.0f} mm do not resolve folds (bending length "
+            f'{1e3 * held:.0f} mm): wrinkles = "relaxed" gives way as the cloth does'
         )
     return lines
 

@@ -16,7 +16,7 @@ from shellform.dressing.settle import AT_LEAST, settle_again
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
 from shellform.material.card import fabric_of
-from shellform.scene.garment import garment_of
+from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
@@ -41,7 +41,9 @@ class Model:
         self.whole = wearer_of(scene)
         self.surface = garment_of(scene, self.whole)
         self.wearer = dressed_wearer(scene, self.whole, self.surface)
-        self.shell = Shell(self.surface, fabric_of(scene.fabric), comm)
+        fabric = fabric_of(scene.fabric)
+        wrinkles = wrinkles_of(scene.garment, self.surface, fabric)
+        self.shell = Shell(self.surface, fabric, comm, wrinkles=wrinkles)
         if scene.gravity:
             self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
         steps = scene.steps

@@ -21,7 +21,7 @@ from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
 from shellform.material.card import fabric_of
 from shellform.motion.wearer import Wearer
-from shellform.scene.garment import garment_of
+from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
 
@@ -50,7 +50,8 @@ def plan_of(
     surface = garment_of(scene, wearer) if surface is None else surface
     near = dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
-    terms = [*terms_of(fabric_of(scene.fabric)), "inertia", "rotary inertia"]
+    fabric = fabric_of(scene.fabric)
+    terms = [*terms_of(fabric), "inertia", "rotary inertia"]
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
     plan: dict = {
         "element": f"{surface.kind} of degree {surface.degree}",
@@ -66,7 +67,7 @@ def plan_of(
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
     recording = wearer.recording
     plan |= {
-        "wrinkles": scene.garment.wrinkles,
+        "wrinkles": wrinkles_of(scene.garment, surface, fabric),
         "runs": scene.runs,
         "motion": {"source": str(recording.source), "start": wearer.start, "end": wearer.end},
         "joints": list(wearer.joints),

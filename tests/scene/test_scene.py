@@ -27,10 +27,11 @@ OTHER = Scene(
     garment=Garment(
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
         kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
+        wrinkles="resolved",
     ),
     contact=Contact(friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5),
     steps=Steps(
-        accuracy="2.5%", time_step_factor=0.5, damping=1e-6, drag=1.0, dressing="particles"
+        accuracy="2.5%", time_step_factor=0.5, damping=1e-6, drag=1.0, dressing="particles", runs=5
     ),
     output=Output(
         window=0.01, frames=25.0, parts={"right_knee": ["right_shank", "right_foot"]},
