@@ -156,7 +156,7 @@ class Choice:
                 f"errors of {quantity} were measured against a value that is itself known to "
                 f"{percent(doubt)}: take them for a guess"
             )
-        if not self.kept:
+        if not self.kept and self.asked is not None:
             if spread >= relative_error(self.asked, self.case):
                 why = f"runs from another start differ by {percent(spread)}"
             else:

@@ -71,8 +71,8 @@ def table_lines(scene: Scene, rows: list[dict], ranks: int) -> list[str]:
         minutes = row.get("core_seconds", np.nan) / 60 / ranks
         said.append(
             f"{row['asked']:>9}  {100 * choice.error:5.0f}%  {kept:>4}  {choice.runs:>4}  "
-            f"{1e3 * choice.size:8.1f}  {row['nodes']:6.0f}  {row['time_step']:8.1e}  {minutes:7.1f}  "
-            f"{row.get('memory_mb', np.nan):5.0f}"
+            f"{1e3 * choice.size:8.1f}  {row['nodes']:6.0f}  {row['time_step']:8.1e}  "
+            f"{minutes:7.1f}  {row.get('memory_mb', np.nan):5.0f}"
         )
     known = rows[0]["choice"].power_laws
     if known:

@@ -68,7 +68,7 @@ def test_chance_is_no_error_of_cells():
 
 
 def test_rows_of_walks_give_their_errors_back(tmp_path):
-    """Errors of h^2 in all numbers: each mesh's, the scatter beside it, a trick against its mesh."""
+    """Errors of h^2 in all numbers: each mesh's, the scatter, a trick against its mesh."""
     case = walk_case(tmp_path)
     cost = {"nodes": 1, "steps": 1, "time_step": 1.0, "core_seconds": 2.0}
     cost |= {"memory_mb": 1.0, "repeats": 1}
