@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import Protocol
 
 from .asked import percent, relative_error
-from .convergence import PowerLaw
+from .convergence import FLAT, PowerLaw
 from .ensemble_size import runs_needed
 from .measured import TABLE, power_laws
 
@@ -37,6 +37,9 @@ from .measured import TABLE, power_laws
 GARMENT = {"draft": 2.0, "standard": 1.4, "fine": 1.0}
 POOR = 0.1  # spreads and doubts above it are named
 LIMB = 0.0525  # m, radius of a limb where trousers meet it
+# families of the walks measured, by the bending length of their cloth: compliant (17 mm) and stiff
+# (40 mm), parted at the geometric mean
+CLOTH, STIFF_CLOTH, STIFF = "quads", "quads, stiff cloth", 0.026  # m
 # which quantity of a case an error is asked of
 LEADING = {
     "roll_up": "position",
@@ -61,8 +64,16 @@ def garment_length(fabric: Bends) -> float:
     A cell of a third of a limb's radius leaves (1/3)^2/12 = 1 % of mu phi of what a sliding cloth
     pulls with, see demos/capstan.py.
     """
-    folds = math.sqrt(fabric.bending_length() * fabric.bending_length(degrees=90.0))
-    return min(folds, LIMB / 3)
+    return min(_fold_length(fabric), LIMB / 3)
+
+
+def cloth_family(fabric: Bends) -> str:
+    """Which of the walks measured a garment of a fabric is like."""
+    return STIFF_CLOTH if _fold_length(fabric) > STIFF else CLOTH
+
+
+def _fold_length(fabric):
+    return math.sqrt(fabric.bending_length() * fabric.bending_length(degrees=90.0))
 
 
 @dataclass(frozen=True)
@@ -159,6 +170,8 @@ class Choice:
         if not self.kept and self.asked is not None:
             if spread >= relative_error(self.asked, self.case):
                 why = f"runs from another start differ by {percent(spread)}"
+            elif self.power_law.order < FLAT:
+                why = f"errors show no order in the cells' size; any leave {percent(self.error)}"
             else:
                 why = f"cells so fine have not been measured; these leave {percent(self.error)}"
             lines.append(f"{wish} of {quantity} cannot be promised: {why}")
@@ -205,16 +218,17 @@ def choose(
     ------
     ValueError for an error that is none
     """
-    error, runs = relative_error(asked, case), 1
+    error, runs, known = relative_error(asked, case), 1, power_laws(case, table)
+    families = families or [next(iter(known))]
     if case == "walk":
         runs = runs_needed(asked, table)
         if asked in GARMENT:
             # a word fixes the cells
-            laws = next(iter(power_laws(case, table).values()))
-            return Choice(case, "quads", asked, length, GARMENT[asked], True, 1.0, 0.0, laws, runs)
-    known = power_laws(case, table)
+            family, ratio = families[0], GARMENT[asked]
+            laws = known[family]
+            return Choice(case, family, asked, length, ratio, power_laws=laws, runs=runs)
     found = []
-    for family in families or [next(iter(known))]:
+    for family in families:
         law = known[family][LEADING[case]].of_runs(runs)
         ratio, kept = law.ratio(error, sensitivity, own)
         if case == "walk":

@@ -7,7 +7,7 @@ import pytest
 from demos.studies.accuracy.held_out_walks import WALKS, Reached, lines, scenes
 from demos.studies.accuracy.walk_case import beyond_chance, spread_of, walk_case, walk_rows
 from demos.studies.accuracy.walk_numbers import QUANTITIES, Walked, apart, numbers_of, scatter_of
-from shellform.accuracy.choice import LEADING
+from shellform.accuracy.choice import LEADING, STIFF_CLOTH
 
 pytestmark = pytest.mark.serial
 PLACES = np.linspace(0, 2 * np.pi, 400, endpoint=False)
@@ -71,18 +71,28 @@ def test_rows_of_walks_give_their_errors_back(tmp_path):
     """Errors of h^2 in all numbers: each mesh's, the scatter, a trick against its mesh."""
     case = walk_case(tmp_path)
     cost = {"nodes": 1, "steps": 1, "time_step": 1.0, "core_seconds": 2.0}
-    cost |= {"memory_mb": 1.0, "repeats": 1}
+
+    def costs_of(ratio, runs, costs):
+        return {"ratio": ratio, "runs": runs, "costs": costs, "memory_mb": 1.0, "repeats": 1}
+
     scatter, runs = 1e-3, []
     for k, (size, starts) in enumerate({0.04: 3, 0.02: 6, 0.001: 4}.items()):
         settings = {"kind": "mesh", "family": "quads", "cell_size": size, "starts": starts}
         made = {
-            walk: ensemble(1 + (10 * size) ** 2, scatter, starts, 10 * k + walk) for walk in (0, 1)
+            (fabric, walk): ensemble(1 + (factor * size) ** 2, scatter, starts, 10 * k + walk)
+            for fabric, factor in (("compliant", 10), ("stiff", 20))
+            for walk in (0, 1)
         }
-        runs.append((settings, cost | {"ratio": size / case.length, "runs": made}))
+        costs = dict.fromkeys(("compliant", "stiff"), cost)
+        runs.append((settings, costs_of(size / case.length, made, costs)))
     trick = runs[0][0] | {"kind": "trick", "name": "heavier"}
-    heavier = {0: ensemble(1.16 * 1.1, scatter, 3, 99)}
-    runs.append((trick, runs[0][1] | {"runs": heavier, "core_seconds": 1.0}))
-    rows = [row for row in walk_rows(case, runs) if row["quantity"] == LEADING["walk"]]
+    heavier = {("compliant", 0): ensemble(1.16 * 1.1, scatter, 3, 99)}
+    half = {"compliant": cost | {"core_seconds": 1.0}}
+    runs.append((trick, costs_of(runs[0][1]["ratio"], heavier, half)))
+    all_rows = [row for row in walk_rows(case, runs) if row["quantity"] == LEADING["walk"]]
+    stiff = [row for row in all_rows if row["family"] == STIFF_CLOTH and row["kind"] == "mesh"]
+    assert stiff[0]["error"] == pytest.approx(400 * 0.04**2, rel=0.03)
+    rows = [row for row in all_rows if row["family"] != STIFF_CLOTH]
     meshes = [row for row in rows if row["kind"] == "mesh"]
     assert [row["starts"] for row in meshes] == [3, 6, 4]
     for row, size in zip(meshes[:2], (0.04, 0.02), strict=True):
@@ -123,6 +133,6 @@ def test_what_is_kept_is_counted():
 
     said = lines([row(0.08), row(0.16), row(0.02)])
     assert len(said) == 2 + 3 + 1
-    assert "10% kept by 2 of 3" in said[-1]
+    assert "10 % kept by 2 of 3" in said[-1]
     assert "by 2, within a factor 1.5 both ways by 1" in said[-1]
     assert "| 8 % | 16 % | 2 % | 2.00 |" in said[3]

@@ -38,7 +38,7 @@ def test_trade_of_the_default_scene(tmp_path, capsys, monkeypatch):
     assert minutes[0] < minutes[1] < minutes[2]
     assert not (tmp_path / "out").exists()
     # what no cells can keep is told with the reason
-    assert "of torque cannot be promised: " in said[-1]
+    assert "of torque rms cannot be promised: " in said[-1]
 
 
 def false_run(monkeypatch, order=2.0):

@@ -24,7 +24,7 @@ import numpy as np
 
 from demos.studies.accuracy.cases import MESH, Case
 from demos.studies.accuracy.walk_numbers import QUANTITIES, apart, numbers_of, scatter_of, walked
-from shellform.accuracy.choice import garment_length
+from shellform.accuracy.choice import cloth_family, garment_length
 from shellform.material.card import fabric_of
 from shellform.scene.parts import Garment, Motion, Output, Steps
 from shellform.scene.scene import Scene
@@ -36,6 +36,7 @@ OBSTACLES = {"level": 0.0, "obstacle": 0.5}  # m
 WALKS = [(fabric, ground) for fabric in ("compliant", "stiff") for ground in OBSTACLES]
 # size of the cells [m]: starts
 STARTS = {0.04: 2, 0.035: 6, 0.0245: 2, 0.0175: 1}
+COST = ("nodes", "steps", "time_step", "core_seconds")  # of one start, in `costs`
 CHANGED = 0.035  # m, cells of the runs that change something else
 
 
@@ -59,26 +60,37 @@ def played(folder, settings, length, walks=WALKS):
     """All walks with the settings of a run: their ensembles and what they cost, one start each."""
     size = settings["cell_size"]
     name = settings.get("name", settings["kind"]).replace(" ", "_")
-    runs, cost = {}, []
+    runs, costs = {}, {}
     for fabric, ground in walks:
-        out = folder / f"{ground}_{fabric}_{name}_{1e3 * size:g}_mm"
+        out = folder_of(folder, fabric, ground, name, size)
         if not (out / "summary.json").is_file():
             run(scene_of(settings, fabric, OBSTACLES[ground]), out, COMM)
         COMM.Barrier()  # rank 0's files are there
         runs[fabric, ground] = walked(out)
-        for member in complete_of(out):
-            found = summary_of(member.out)
-            keys = ("nodes", "steps", "time_step", "core_seconds")
-            cost.append([found.get(key, np.nan) for key in keys])
-    nodes, steps, time_step, core_seconds = np.nanmean(cost, axis=0)  # of one start
+        found = [summary_of(member.out) for member in complete_of(out)]
+        told = [{key: one.get(key, np.nan) for key in COST} for one in found]
+        costs.setdefault(fabric, []).extend(told)
+    spent = [one["core_seconds"] for own in costs.values() for one in own]
     return {
         "ratio": size / length,
         "runs": runs,
-        "nodes": round(nodes),
-        "steps": round(steps),
-        "time_step": time_step,
-        "core_seconds": core_seconds,
+        "costs": {fabric: mean_cost(own) for fabric, own in costs.items()},
+        "core_seconds": float(np.nansum(spent)),
     }
+
+
+def mean_cost(found):
+    """Cost of one start, mean over summaries that tell it; NaN where none does."""
+    means = {}
+    for key in COST:
+        told = [one[key] for one in found if not np.isnan(one[key])]
+        means[key] = float(np.mean(told)) if told else np.nan
+    return means
+
+
+def folder_of(folder, fabric, ground, name, size):
+    """Folder of a walk with cells of a size [m]."""
+    return folder / f"{ground}_{fabric}_{name}_{1e3 * size:g}_mm"
 
 
 def scene_of(settings, fabric, obstacle):
@@ -99,7 +111,20 @@ def scene_of(settings, fabric, obstacle):
 
 
 def walk_rows(case, runs):
-    """Rows of the table from the ensembles of all settings; see the header."""
+    """Rows of the table from the ensembles of all settings, a family a fabric; see the header."""
+    rows = []
+    for fabric in dict.fromkeys(fabric for _, found in runs for fabric, _ in found["runs"]):
+        own = []
+        for settings, found in runs:
+            some = {walk: one for walk, one in found["runs"].items() if walk[0] == fabric}
+            if some:
+                own.append((settings, found | found["costs"][fabric] | {"runs": some}))
+        if any(settings["kind"] == "mesh" for settings, _ in own):
+            rows += _rows_of_fabric(cloth_family(fabric_of(fabric)), own)
+    return rows
+
+
+def _rows_of_fabric(family, runs):
     meshes = sorted(
         ((settings, found) for settings, found in runs if settings["kind"] == "mesh"),
         key=lambda one: -one[1]["ratio"],
@@ -118,7 +143,7 @@ def walk_rows(case, runs):
             cells = beyond_chance(found["runs"], finest, quantity, spread)
             if found["runs"] is finest:
                 cells = doubt
-            one = _row(settings, found) | same | {"starts": fewest(found["runs"])}
+            one = _row(settings, found, family) | same | {"starts": fewest(found["runs"])}
             rows.append(one | {"error": float(np.hypot(cells, spread))})
         for settings, found in runs:
             base = next((f for s, f in meshes if s["cell_size"] == settings["cell_size"]), None)
@@ -126,9 +151,10 @@ def walk_rows(case, runs):
                 continue
             changed = beyond_chance(found["runs"], base["runs"], quantity, spread)
             cost = found["core_seconds"] / base["core_seconds"]
-            rows.append(_row(settings, found) | same | {"error": changed, "relative_cost": cost})
+            one = _row(settings, found, settings.get("name", family)) | same
+            rows.append(one | {"error": changed, "relative_cost": cost})
         if spread:
-            one = _row(*meshes[0]) | same | {"kind": "spread", "settings": "other starts"}
+            one = _row(*meshes[0], family) | same | {"kind": "spread", "settings": "other starts"}
             rows.append(one | {"error": spread})
     return rows
 
@@ -154,18 +180,17 @@ def beyond_chance(runs, reference, quantity, spread):
     squares = [
         apart(numbers_of(runs[walk])[quantity], numbers_of(reference[walk])[quantity]) ** 2
         - spread**2 * (1 / len(runs[walk].curves) + 1 / len(reference[walk].curves))
-        for walk in reference
-        if walk in runs
+        for walk in reference.keys() & runs.keys()
     ]
     return float(np.sqrt(max(np.mean(squares), 0.0)))
 
 
-def _row(settings, found):
+def _row(settings, found, family):
     said = f"cells {1e3 * settings['cell_size']:g} mm, {settings['starts']} starts"
     keys = ("ratio", "core_seconds", "nodes", "steps", "time_step", "memory_mb", "repeats")
     return {
-        "family": settings.get("name", settings["family"]),
+        "family": family,
         "kind": settings["kind"],
-        "settings": f"{settings.get('name', settings['family'])}, {said}",
+        "settings": f"{family}, {said}",
         **{key: found[key] for key in keys},
     }
