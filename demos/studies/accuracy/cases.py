@@ -118,7 +118,13 @@ def neighbours(cells):
 
 def bent(settings):
     """A sleeve on a bending knee; course of the torque, mean strain energy."""
-    given = {"friction": [0.0], "angle": hinge_sleeve.MEASURED_AT, "period": 0.3, "cycles": 1, "radius": 0.06}
+    given = {
+        "friction": [0.0],
+        "angle": hinge_sleeve.MEASURED_AT,
+        "period": 0.3,
+        "cycles": 1,
+        "radius": 0.06,
+    }
     given |= {"time_step_factor": 0.9, "rotary_scale": hinge_sleeve.ROTARY_SCALE}
     given |= {"mass_scale": 1.0}
     given |= {key: value for key, value in settings.items() if key in (*given, "around")}
@@ -210,7 +216,7 @@ CASES = {
         Case(
             "sleeve",
             [
-                *meshes_of("around", (12, 16, 20, 24, 32, 40, 48, 64)),
+                *meshes_of("around", (12, 16, 20, 24, 28, 32, 36, 40, 48, 64)),
                 MESH | {"kind": "step", "around": 24, "time_step_factor": 0.45},
                 MESH | {"kind": "trick", "name": "rotary 4", "around": 24, "rotary_scale": 4.0},
                 MESH | {"kind": "trick", "name": "rotary 0.5", "around": 24, "rotary_scale": 0.5},

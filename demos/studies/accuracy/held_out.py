@@ -96,7 +96,7 @@ SCENES = [
     ("strip of 0.3 m, 35 mm, on 70 mm, 3 meshes", "strip", hung, (0.07, 0.3, 0.035, 0.003)),
     ("strip of 0.35 m, 50 mm, on 80 mm, 3 meshes", "strip", hung, (0.08, 0.35, 0.05, 0.003)),
     ("sleeve on a knee of 50 mm, 15 degrees", "sleeve", bent, (0.05, 15.0, 0.04)),
-    ("sleeve on a knee of 75 mm, 25 degrees", "sleeve", bent, (0.075, 25.0, 0.03)),
+    ("sleeve on a knee of 75 mm, 25 degrees", "sleeve", bent, (0.075, 25.0, 0.04)),
     ("square 25 times as stiff on a sphere", "drape", draped, (25.0, 0.03)),
 ]
 

@@ -45,12 +45,8 @@ def walk_case(folder, starts=None, walks=WALKS):
     starts = starts or STARTS
     ladder = [MESH | {"cell_size": size, "starts": n} for size, n in starts.items()]
     at = list(starts).index(CHANGED) + 1 if CHANGED in starts else len(ladder)
-    changed = MESH | {"cell_size": CHANGED, "starts": 3}
-    ladder[at:at] = [
-        changed | {"kind": "step", "factor": 0.45},
-        changed | {"kind": "trick", "name": "dressed by particles", "dressing": "particles"},
-        changed | {"kind": "trick", "name": "mass 4", "mass": 4.0},
-    ]
+    changed = MESH | {"cell_size": CHANGED, "starts": 2}
+    ladder.insert(at, changed | {"kind": "step", "factor": 0.45})
     length = garment_length(fabric_of("compliant"))
     play = partial(played, Path(folder) / "walk", length=length, walks=walks)
     return Case("walk", ladder, play, length, walk_rows)
