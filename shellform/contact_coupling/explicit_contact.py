@@ -275,5 +275,5 @@ class ExplicitContact(RunningContact):
         return contact_checkpoint.saved(self)
 
     def resume(self, path: str | Path, state: dict[str, np.ndarray]) -> None:
-        """See RunningContact; ValueError for samples other than those of the file."""
+        """See RunningContact; ValueError for other samples than the file has, other versions."""
         contact_checkpoint.resume(self, path, state)

@@ -1,25 +1,25 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Pictures of cloth on a body: the last frame from two sides, and all frames moving."""
+"""Pictures of cloth on a body: the last frame from two sides, and all frames moving.
+
+Outlines of the body are dashed, also where cloth hides them.
+"""
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from contact.body.segments import Body
 
+from .painter import painted
 from .surfaces import (
     BACK,
     CLOTH,
-    draw_surfaces,
     ellipsoid_facets,
     ellipsoid_outline,
     facets_and_sides,
-    new_figure,
     save_animation,
-    save_figure,
+    save_image,
     view_axes,
 )
 
@@ -48,38 +48,14 @@ def draw_cloth_on_body(
     solids = [(facets, None, "#d8a48f", "#d8a48f", away) for facets in skin]
     corners = np.concatenate([frames[0][0], frames[-1][0], *(s.reshape(-1, 3) for s in skin)])
 
-    view = partial(draw_frame, cells=cells, solids=solids, corners=corners, rims=rims)
-    figure, (left, right) = new_figure(1, (11, 5.5), "", columns=2)
-    view(left, frames[-1], -60, 8)
-    view(right, frames[-1], 30, 35)
-    save_figure(figure, Path(folder) / f"{name}.png")
-    images = []
-    for frame in frames:
-        figure, axes = new_figure(1, (5, 5), "", dpi=70)
-        view(axes, frame, -60, 20)
-        figure.canvas.draw()
-        images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())
+    def picture(frame, size, dpi, azimuth, elevation):
+        eye = view_axes(azimuth, elevation)[2]
+        outlines = [(ellipsoid_outline(*ellipsoid, eye), "#8c4a32", 0.7) for ellipsoid in rims]
+        cloth = facets_and_sides(*frame, cells)
+        shown = [(*cloth, CLOTH, BACK, 0.0), *solids]
+        return painted(shown, outlines, corners, size, dpi, azimuth, elevation)
+
+    sides = [picture(frames[-1], (5.5, 5.5), 130, *view) for view in ((-60, 8), (30, 35))]
+    save_image(np.concatenate(sides, axis=1), Path(folder) / f"{name}.png")
+    images = [picture(frame, (5, 5), 70, -60, 20) for frame in frames]
     save_animation(images, Path(folder) / f"{name}.gif", seconds)
-
-
-def draw_frame(
-    axes: Any,
-    frame: tuple[np.ndarray, np.ndarray],
-    azimuth: float,
-    elevation: float,
-    *,
-    cells: np.ndarray,
-    solids: list[tuple],
-    corners: np.ndarray,
-    rims: list[tuple],
-) -> None:
-    """Cloth over its body, outlines dashed where cloth hides them, from one side."""
-    cloth = facets_and_sides(*frame, cells)
-    draw_surfaces(axes, [(*cloth, CLOTH, BACK, 0.0), *solids], azimuth, elevation)
-    right, up, eye = view_axes(azimuth, elevation)
-    for centre, axes_of, radii in rims:
-        rim = ellipsoid_outline(centre, axes_of, radii, eye)
-        axes.plot(rim @ right, rim @ up, "--", color="#8c4a32", lw=0.7)
-    spans = corners @ right, corners @ up
-    axes.set_xlim(spans[0].min() - 0.05, spans[0].max() + 0.05)
-    axes.set_ylim(spans[1].min() - 0.05, spans[1].max() + 0.05)

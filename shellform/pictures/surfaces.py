@@ -5,13 +5,14 @@ matplotlib only, no finite elements: pictures can be drawn anywhere from the fil
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 CLOTH, BACK, EDGE = "#7aa6c2", "#c9b79c", "#1f3440"
+LINE_WIDTH = 0.45  # of the cells' sides [pt]
 
 
 def view_axes(azimuth: float, elevation: float) -> np.ndarray:
@@ -79,6 +80,40 @@ def facets_and_sides(
     return facets, np.stack([rim[:, :-1], rim[:, 1:]], axis=2).reshape(-1, 2, 3)
 
 
+def colour_of(name: str) -> np.ndarray:
+    """Red, green, blue (3,) from 0 to 1 of a colour #rrggbb."""
+    return np.array([int(name[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+
+
+def seen_surfaces(
+    surfaces: Sequence[tuple], view: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+    """Of each surface, see `draw_surfaces`, what is seen in the axes (3, 3) of a view.
+
+    Facets (m, k, 3) and sides (s, 2, 3) in these axes, colours (m, 3) of the facets, and how near
+    to the eye facets (m,) and sides (s,) are.
+    """
+    light = view.T @ np.array([-0.3, 0.5, 0.8]) / np.linalg.norm([-0.3, 0.5, 0.8])
+    for facets, sides, front, back, away in surfaces:
+        # by diagonals: a side may have no length, as at the poles of an ellipsoid
+        normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        shade = 0.5 + 0.5 * np.abs(normal @ light)
+        front_seen = (normal @ view[2] >= 0)[:, None]
+        colour = np.where(front_seen, colour_of(front), colour_of(back)) * shade[:, None]
+        seen = facets @ view.T
+        lines = np.empty((0, 2, 3)) if sides is None or sides is True else sides @ view.T
+        # a side lies in its facets: bring it before them, not before the next cell
+        before = 0.5 * np.ptp(lines, axis=1).max() if len(lines) else 0.0
+        yield (
+            seen,
+            colour,
+            lines,
+            seen[:, :, 2].mean(axis=1) - away,
+            lines[:, :, 2].mean(axis=1) + before,
+        )
+
+
 def draw_surfaces(
     axes: Any, surfaces: Sequence[tuple], azimuth: float = -60.0, elevation: float = 25.0
 ) -> None:
@@ -94,38 +129,29 @@ def draw_surfaces(
     azimuth, elevation : float, degrees
     """
     from matplotlib.collections import PolyCollection
-    from matplotlib.colors import to_rgb, to_rgba
 
+    polygons: list[np.ndarray] = []
+    faces, edges, depths = [], [], []
+    edge = np.append(colour_of(EDGE), 1.0)
     view = view_axes(azimuth, elevation)
-    light = view.T @ np.array([-0.3, 0.5, 0.8]) / np.linalg.norm([-0.3, 0.5, 0.8])
-    polygons, faces, edges, depths = [], [], [], []
-    for facets, sides, front, back, away in surfaces:
-        # by diagonals: a side may have no length, as at the poles of an ellipsoid
-        normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        shade = 0.5 + 0.5 * np.abs(normal @ light)
-        front_seen = (normal @ view[2] >= 0)[:, None]
-        colour = np.where(front_seen, to_rgb(front), to_rgb(back)) * shade[:, None]
-        colour = np.column_stack([colour, np.ones(len(colour))])
-        seen = facets @ view.T
+    for surface, parts in zip(surfaces, seen_surfaces(surfaces, view), strict=True):
+        seen, shades, sides, depth, side_depth = parts
         polygons.extend(seen[:, :, :2])
+        colour = np.column_stack([shades, np.ones(len(shades))])
         faces.append(colour)
-        outlined = sides is True
-        edges.append(np.tile(to_rgba(EDGE), (len(facets), 1)) if outlined else colour)
-        depths.append(seen[:, :, 2].mean(axis=1) - away)
-        if sides is not None and not outlined:
-            seen = sides @ view.T
-            polygons.extend(seen[:, :, :2])
+        edges.append(np.tile(edge, (len(seen), 1)) if surface[1] is True else colour)
+        depths.append(depth)
+        if len(sides):
+            polygons.extend(sides[:, :, :2])
             faces.append(np.zeros((len(sides), 4)))
-            edges.append(np.tile(to_rgba(EDGE), (len(sides), 1)))
-            # a side lies in its facets: bring it before them, not before the next cell
-            depths.append(seen[:, :, 2].mean(axis=1) + 0.5 * np.ptp(seen, axis=1).max())
+            edges.append(np.tile(edge, (len(sides), 1)))
+            depths.append(side_depth)
     order = np.argsort(np.concatenate(depths), kind="stable")
     collection = PolyCollection(
         [polygons[i] for i in order],
         facecolors=np.concatenate(faces)[order],
         edgecolors=np.concatenate(edges)[order],
-        linewidths=0.45,
+        linewidths=LINE_WIDTH,
         closed=False,
         joinstyle="round",
     )
@@ -192,12 +218,24 @@ def ellipsoid_outline(
     return centre + (radii * (np.cos(angle) * first + np.sin(angle) * second)) @ np.asarray(axes)
 
 
+def save_image(image: np.ndarray, path: str | Path) -> None:
+    """Write a PNG atomically; image : (rows, columns, 3) uint8."""
+    from PIL import Image
+
+    path = Path(path)
+    part = path.with_name(path.name + ".part")
+    Image.fromarray(image).save(part, format="PNG")
+    os.replace(part, path)
+
+
 def save_animation(images: list[np.ndarray], path: Path, seconds: float) -> None:
     """Write a GIF atomically; images are (rows, columns, 3) uint8, `seconds` apart."""
     from PIL import Image
 
     part = path.with_name(path.name + ".part")
-    first, *rest = [Image.fromarray(image) for image in images]
+    # by octrees: a median cut takes five times as long as drawing the picture
+    octree = Image.Quantize.FASTOCTREE
+    first, *rest = [Image.fromarray(image).quantize(256, method=octree) for image in images]
     first.save(
         part, format="GIF", save_all=True, append_images=rest, duration=1000 * seconds, loop=0
     )

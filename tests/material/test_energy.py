@@ -160,7 +160,7 @@ def test_stress_stiffens(make):
 def test_explicit_force_is_that_of_statics(make):
     shell = make(Fung(3.0))
     force = InternalForce(shell)
-    assert force._quads is None  # the kernel of 4-node quads knows the default law only
+    assert force.quads is None  # the kernel of 4-node quads knows the default law only
     n = shell.partition.n_owned
     out = petsc_vector(shell.space, 6)
     shell.internal_force(out)
