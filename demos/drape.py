@@ -97,7 +97,7 @@ def arguments(given):
         "--alpha", type=float, default=-0.1, help="damping of implicit steps, -1/3 to 0"
     )
     parser.add_argument(
-        "--damping", type=float, default=2e-4, help="stiffness-proportional, of explicit steps, s"
+        "--damping", type=float, default=1e-5, help="stiffness-proportional, of explicit steps, s"
     )
     parser.add_argument("--drag", type=float, default=0.5, help="of still air, 1/s")
     parser.add_argument("--accuracy", type=console.accuracy, default=0.03, metavar="N%")

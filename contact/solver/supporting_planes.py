@@ -45,7 +45,17 @@ PLANE = np.dtype(
 
 
 @kernel
-def first_contact(segment, y0, y1, y2, p0, p1, p2, offset, foot):
+def first_contact(
+    segment: Any,
+    y0: float,
+    y1: float,
+    y2: float,
+    p0: float,
+    p1: float,
+    p2: float,
+    offset: float,
+    foot: tuple,
+) -> tuple[float, int, float, float, float, float]:
     """Where the path y + tau p, 0 <= tau <= 1, first comes to the offset surface.
 
     The distance to a convex set is convex along a line, so Newton from outside never passes the

@@ -24,7 +24,7 @@ from shellform.material.wrinkling import WRINKLED
 
 from .arc import half_length_squared
 from .dolfinx_compat import cell_nodes, given_cells
-from .membrane_law import Density, MembraneLaw, Quadratic, Relaxed
+from .membrane_law import Density, MembraneLaw, Quadratic
 from .partition import Partition
 from .segment_forms import WIDTH, SegmentForms
 from .six_lengths import FIRST, SECOND, lamina_axes, six_lengths
@@ -72,6 +72,9 @@ class CellMembrane:
         self._points, self._given = points, np.zeros(len(points))
         self.law: MembraneLaw
         if relaxed:
+            # only here: its law is a kernel, and statics of other sheets need no compiler of those
+            from .relaxed_law import Relaxed
+
             self.wrinkles = Wrinkles(fabric, np.sqrt(self.area))
             self._forms.arcs = self.wrinkles.arcs
             self.law = Relaxed(self._stiffness, self.wrinkles)

@@ -13,7 +13,6 @@ import ufl
 from ufl.algorithms import expand_derivatives
 
 from shellform.material.energy import StVenant
-from shellform.material.wrinkling import relax, trial_angles
 
 from .dolfinx_compat import (
     Constant,
@@ -27,7 +26,6 @@ from .dolfinx_compat import (
     vector_space,
 )
 from .element import measure
-from .wrinkles import Wrinkles
 
 Answer = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -51,35 +49,6 @@ class Quadratic:
         stress = E @ self._membrane
         tangent = np.broadcast_to(self._membrane, (len(E), 3, 3))
         return 0.5 * np.sum(stress * E, axis=1), stress, tangent
-
-
-class Relaxed:
-    """A sheet that wrinkles.
-
-    Parameters
-    ----------
-    membrane : (3, 3), stiffness A of the fabric [N/m]; wrinkles : Wrinkles
-
-    Attributes
-    ----------
-    state, direction : (m,), of the strains of all cells asked for last, see `relax`
-    """
-
-    def __init__(self, membrane: np.ndarray, wrinkles: Wrinkles):
-        self._membrane, self._compliance = membrane, np.linalg.inv(membrane)
-        self._angles, self._wrinkles = trial_angles(membrane), wrinkles
-        self.state = np.zeros(len(wrinkles.load), np.int64)
-        self.direction = np.zeros(len(wrinkles.load))
-
-    def __call__(self, E: np.ndarray, cells: np.ndarray | None = None) -> Answer:
-        m, load = len(E), self._wrinkles.load
-        answer = np.empty(m), np.empty((m, 3)), np.empty((m, 3, 3))
-        kept = self.state, self.direction
-        if cells is not None:
-            load, kept = load[cells], (np.empty(m, np.int64), np.empty(m))
-        fixed = self._membrane, self._compliance, self._angles
-        relax(np.ascontiguousarray(E), *fixed, load, *answer, *kept)
-        return answer
 
 
 class Density:

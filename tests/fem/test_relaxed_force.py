@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from shellform.fem.quad_force import QuadForce
-from shellform.material.wrinkling import SLACK, TAUT, WRINKLED, relax, trial_angles
+from shellform.material.relaxed_stress import relax
+from shellform.material.wrinkling import SLACK, TAUT, WRINKLED, trial_angles
 from tests.fem.quad_twin import Twin
 from tests.fem.test_quad_force import WOVEN, bent, curved
 

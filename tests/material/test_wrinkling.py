@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from shellform.material.relaxed_stress import relax
 from shellform.material.wrinkling import (
     SLACK,
     TAUT,
     WRINKLED,
-    relax,
     trial_angles,
     wrinkling_load,
 )

@@ -44,7 +44,7 @@ def knee(angle: float) -> Wearer:
 
 def sleeve(size: float, wrinkles: str) -> Shell:
     """The sleeve, clear of the limb, with cells of a size [m]."""
-    around = int(round(2 * np.pi * REST / size))
+    around = round(2 * np.pi * REST / size)
     # an odd number along: a row of nodes in the crease would be caught there
     along = 2 * max(1, round(HALF / size - 0.5)) + 1
     surface = meshes.cylinder(REST, 2 * HALF, (around, along))
