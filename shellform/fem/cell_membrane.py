@@ -13,6 +13,10 @@ Cells that wrinkle have next to no stiffness of their own: the tangent, not the 
 part of that of the taut sheet.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -30,6 +34,9 @@ from .segment_forms import WIDTH, SegmentForms
 from .six_lengths import FIRST, SECOND, lamina_axes, six_lengths
 from .wrinkle_field import Wrinkling, crests, wrinkle_strain
 from .wrinkles import Wrinkles
+
+if TYPE_CHECKING:
+    from .relaxed_law import Relaxed
 
 NOT_RELAXED = "a sheet with wrinkles='resolved' has no cells that wrinkle: take wrinkles='relaxed'"
 SPARE_STIFFNESS = 1e-4  # share of the taut stiffness in the tangent of cells that wrinkle
@@ -71,13 +78,14 @@ class CellMembrane:
         self.wrinkles: Wrinkles | None = None
         self._points, self._given = points, np.zeros(len(points))
         self.law: MembraneLaw
+        self._relaxed: Relaxed | None = None
         if relaxed:
             # only here: its law is a kernel, and statics of other sheets need no compiler of those
             from .relaxed_law import Relaxed
 
             self.wrinkles = Wrinkles(fabric, np.sqrt(self.area))
             self._forms.arcs = self.wrinkles.arcs
-            self.law = Relaxed(self._stiffness, self.wrinkles)
+            self.law = self._relaxed = Relaxed(self._stiffness, self.wrinkles)
         elif is_quadratic(law, "membrane"):
             self.law = Quadratic(self._stiffness)
         else:
@@ -109,11 +117,11 @@ class CellMembrane:
 
     def wrinkling(self, w: np.ndarray) -> Wrinkling:
         """State, crest and wrinkle strain of the cells of a relaxed sheet at a nodal field w."""
-        if not isinstance(self.law, Relaxed):
+        if self._relaxed is None:
             raise ValueError(NOT_RELAXED)
         E = np.einsum("mij,mj->mi", self.B, self._lengths_of(slice(None), w))
-        _, stress, _ = self.law(E)
-        state, direction = self.law.state.copy(), self.law.direction
+        _, stress, _ = self._relaxed(E)
+        state, direction = self._relaxed.state.copy(), self._relaxed.direction
         corners = self._points + np.reshape(w, -1)[self._index].reshape(-1, 4, 6)[:, :, :3]
         axes = lamina_axes(self._points, self._warp)
         crest = crests(self._points, corners, axes, direction)
