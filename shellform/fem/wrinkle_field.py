@@ -7,7 +7,8 @@ differs from the strain E of the cell by what wrinkles take up:
     W = A^-1 N - E,    no eigenvalue negative.
 
 A wrinkled cell is taut along its crests; W shortens it across them. The larger eigenvalue of W is
-told, the wrinkle strain: 0 in taut cells; a wave of amplitude a and length l has (pi a/l)^2.
+told, the wrinkle strain: 0 in taut cells, (pi a/l)^2 of a shallow wave of amplitude a and length l.
+As all of these are Green strains, it is 1/2 where an unstretched cell has shrunk to nothing.
 """
 
 from typing import NamedTuple
