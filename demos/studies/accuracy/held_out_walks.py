@@ -134,8 +134,8 @@ def lines(rows: list[Reached]) -> list[str]:
     mean = np.sqrt(np.mean(np.square(ratios)))
     return [
         *said,
-        f"{percent(asked)} kept by {kept} of {len(rows)}; reached at most {WITHIN:g} times what was "
-        f"predicted by {over}, within a factor {WITHIN:g} both ways by {near}; root mean square of "
+        f"{percent(asked)} kept by {kept} of {len(rows)}; reached at most {WITHIN:g} times what "
+        f"was predicted by {over}, within a factor {WITHIN:g} both ways by {near}; root mean square of "
         f"reached/predicted {mean:.2f}",
     ]
 
