@@ -135,8 +135,8 @@ def lines(rows: list[Reached]) -> list[str]:
     return [
         *said,
         f"{percent(asked)} kept by {kept} of {len(rows)}; reached at most {WITHIN:g} times what "
-        f"was predicted by {over}, within a factor {WITHIN:g} both ways by {near}; root mean square of "
-        f"reached/predicted {mean:.2f}",
+        f"was predicted by {over}, within a factor {WITHIN:g} both ways by {near}; root mean "
+        f"square of reached/predicted {mean:.2f}",
     ]
 
 
