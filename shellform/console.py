@@ -56,7 +56,7 @@ def positive(kind: type) -> Callable[[str], Any]:
 
 def accuracy(text: str) -> float:
     """Type of `--accuracy`: a relative error, from the words draft, standard, fine or from N%."""
-    from shellform.accuracy.choice import relative_error
+    from shellform.accuracy.asked import relative_error
 
     try:
         return relative_error(text)

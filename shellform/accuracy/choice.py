@@ -11,7 +11,12 @@ h the size of a cell, l the length that matters in the scene: the radius to whic
 or on which it lies, or where it hangs free the bending length (D/(m g))^(1/3). C and p are fitted;
 s is the scene's own sensitivity, by which its error is larger than a cell's (a long belt adds up
 the errors of its cells); `own` is what the scene itself leaves however small the cells. The spread
-is what another start changes where folds choose among many states: no cell size helps below it.
+is what another start changes where folds choose among many states: no cell size helps below it,
+but the mean of n runs has only 1/sqrt(n) of it.
+
+Of a walk the error is that of the root mean square of the torque about hips and knees, each
+relative to itself; peak and course of the mean curve are predicted beside it. Cells and runs are
+chosen together: runs so many that the mean curve is known to what is asked (ensemble_size.py).
 """
 
 from __future__ import annotations
@@ -22,15 +27,19 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
-from .convergence import PowerLaw
+from .asked import percent, relative_error
+from .convergence import FLAT, PowerLaw
+from .ensemble_size import runs_needed
 from .measured import TABLE, power_laws
 
-WORDS = {"draft": 0.03, "standard": 0.01, "fine": 0.001}
-# cells in a garment, by the word: size over the length that matters; what error these leave in a
-# torque is measured, not asked for, as folds repeat to some ten percent only
+# cells in a garment, by the word: size over the length that matters; none are larger than those of
+# a draft
 GARMENT = {"draft": 2.0, "standard": 1.4, "fine": 1.0}
 POOR = 0.1  # spreads and doubts above it are named
 LIMB = 0.0525  # m, radius of a limb where trousers meet it
+# families of the walks measured, by the bending length of their cloth: compliant (17 mm) and stiff
+# (40 mm), parted at the geometric mean
+CLOTH, STIFF_CLOTH, STIFF = "quads", "quads, stiff cloth", 0.026  # m
 # which quantity of a case an error is asked of
 LEADING = {
     "roll_up": "position",
@@ -38,7 +47,7 @@ LEADING = {
     "strip": "position",
     "sleeve": "torque",
     "drape": "shape",
-    "walk": "torque",
+    "walk": "torque rms",
 }
 
 
@@ -55,8 +64,16 @@ def garment_length(fabric: Bends) -> float:
     A cell of a third of a limb's radius leaves (1/3)^2/12 = 1 % of mu phi of what a sliding cloth
     pulls with, see demos/capstan.py.
     """
-    folds = math.sqrt(fabric.bending_length() * fabric.bending_length(degrees=90.0))
-    return min(folds, LIMB / 3)
+    return min(_fold_length(fabric), LIMB / 3)
+
+
+def cloth_family(fabric: Bends) -> str:
+    """Which of the walks measured a garment of a fabric is like."""
+    return STIFF_CLOTH if _fold_length(fabric) > STIFF else CLOTH
+
+
+def _fold_length(fabric):
+    return math.sqrt(fabric.bending_length() * fabric.bending_length(degrees=90.0))
 
 
 @dataclass(frozen=True)
@@ -68,7 +85,8 @@ class Choice:
     case, family : what was measured
     asked : float, relative error, or a word; None where a size of cells was given instead
     length : l [m]; ratio : h/l; predicted : {quantity: relative error}
-    kept : bool, whether the error asked for can be promised; power_laws : {quantity: PowerLaw}
+    kept : bool, whether the error asked for can be promised; power_laws : {quantity: PowerLaw} of
+    a single run; runs : whose mean is told
     """
 
     case: str
@@ -80,6 +98,7 @@ class Choice:
     sensitivity: float = 1.0
     own: float = 0.0
     power_laws: dict = field(default_factory=dict, repr=False)
+    runs: int = 1
 
     @property
     def size(self) -> float:
@@ -88,8 +107,8 @@ class Choice:
 
     @property
     def power_law(self) -> PowerLaw:
-        """How the error of the quantity asked for goes with the size."""
-        return self.power_laws[LEADING[self.case]]
+        """How the error of the quantity asked for goes with the size, in the mean of the runs."""
+        return self.power_laws[LEADING[self.case]].of_runs(self.runs)
 
     @property
     def order(self) -> float:
@@ -100,7 +119,7 @@ class Choice:
     def predicted(self) -> dict[str, float]:
         """Errors predicted, by quantity."""
         return {
-            name: law.error(self.ratio, self.sensitivity, self.own)
+            name: law.of_runs(self.runs).error(self.ratio, self.sensitivity, self.own)
             for name, law in self.power_laws.items()
         }
 
@@ -118,7 +137,8 @@ class Choice:
         """Whether the error predicted is what was asked for; None if nothing was."""
         if self.asked is None:
             return None
-        return bool(self.kept and self.error <= relative_error(self.asked) * (1 + 1e-9))
+        goal = relative_error(self.asked, self.case)
+        return bool(self.kept and self.error <= goal * (1 + 1e-9))
 
     @property
     def wish(self) -> str:
@@ -131,10 +151,12 @@ class Choice:
         """Lines for a person, before the start; seconds : predicted [s] or None."""
         quantity, wish = LEADING[self.case], self.wish
         said = ", ".join(f"{name} {percent(e)}" for name, e in self.predicted.items())
+        mean = f", mean of {self.runs} runs" if self.runs > 1 else ""
         lines = [
             f"{wish}: {self.family}, cells of {1e3 * self.size:.3g} mm = "
-            f"{self.ratio:.3g} of {1e3 * self.length:.3g} mm; predicted errors: {said}"
+            f"{self.ratio:.3g} of {1e3 * self.length:.3g} mm{mean}; predicted errors: {said}"
             + (f"; about {_time(seconds)}" if seconds is not None else "")
+            + (" a run" if seconds is not None and self.runs > 1 else "")
         ]
         law = self.power_law if self.power_laws else PowerLaw(0.0, 1.0)
         spread, doubt = law.spread, law.doubt
@@ -145,10 +167,11 @@ class Choice:
                 f"errors of {quantity} were measured against a value that is itself known to "
                 f"{percent(doubt)}: take them for a guess"
             )
-        if not self.kept:
-            spread = self.power_law.spread
-            if spread >= (self.asked if isinstance(self.asked, float) else 0.0):
+        if not self.kept and self.asked is not None:
+            if spread >= relative_error(self.asked, self.case):
                 why = f"runs from another start differ by {percent(spread)}"
+            elif self.power_law.order < FLAT:
+                why = f"errors show no order in the cells' size; any leave {percent(self.error)}"
             else:
                 why = f"cells so fine have not been measured; these leave {percent(self.error)}"
             lines.append(f"{wish} of {quantity} cannot be promised: {why}")
@@ -156,13 +179,15 @@ class Choice:
 
     def summary(self, estimated: float | None, how: str) -> dict:
         """`accuracy` of summary.json: estimated : relative error reached, or None; how : text."""
+        one = self.power_laws[LEADING[self.case]].spread if self.power_laws else None
         return {
             "asked": self.asked,
             "of": LEADING[self.case],
             "predicted": self.error if self.power_laws else None,
             "predicted_all": self.predicted,
             "promised": self.promised,
-            "another_start_changes": self.power_law.spread if self.power_laws else None,
+            "another_start_changes": one,
+            "runs": self.runs,
             "measured_against_known_to": self.power_law.doubt if self.power_laws else None,
             "estimated": estimated,
             "how": how,
@@ -193,52 +218,38 @@ def choose(
     ------
     ValueError for an error that is none
     """
-    error = relative_error(asked)
-    if case == "walk" and asked in GARMENT:
-        # a word fixes the cells; what errors they leave is known if it has been measured
-        measured = next(iter(power_laws(case, table, needed=False).values()), {})
-        return Choice(case, "quads", asked, length, GARMENT[asked], True, power_laws=measured)
-    known = power_laws(case, table)
+    error, runs, known = relative_error(asked, case), 1, power_laws(case, table)
+    families = families or [next(iter(known))]
+    if case == "walk":
+        runs = runs_needed(asked, table)
+        if asked in GARMENT:
+            # a word fixes the cells
+            family, ratio = families[0], GARMENT[asked]
+            laws = known[family]
+            return Choice(case, family, asked, length, ratio, power_laws=laws, runs=runs)
     found = []
-    for family in families or [next(iter(known))]:
-        ratio, kept = known[family][LEADING[case]].ratio(error, sensitivity, own)
+    for family in families:
+        law = known[family][LEADING[case]].of_runs(runs)
+        ratio, kept = law.ratio(error, sensitivity, own)
+        if case == "walk":
+            ratio = min(ratio, GARMENT["draft"])
         found.append(
-            Choice(case, family, asked, length, ratio, kept, sensitivity, own, known[family])
+            Choice(case, family, asked, length, ratio, kept, sensitivity, own, known[family], runs)
         )
     if len(found) == 1 or work is None:
         return found[0]
     return min(found, key=lambda c: (not c.kept, work(c.family, c.ratio)))
 
 
-def relative_error(asked: float | str) -> float:
-    """Relative error of a number, a word or 'N%'; ValueError for anything else."""
-    if isinstance(asked, str):
-        if asked in WORDS:
-            return WORDS[asked]
-        try:
-            error = float(asked.removesuffix("%")) / 100 if asked.endswith("%") else 0.0
-        except ValueError:
-            error = 0.0
-    else:
-        error = asked if isinstance(asked, float) else 0.0
-    if not 0 < error < 1:
-        raise ValueError(f"draft, standard, fine or a percentage as '2%', not {asked!r}")
-    return error
-
-
 def accuracy_line(entry: dict) -> str:
     """A line for a person after a run, from `Choice.summary`."""
     if entry["predicted"] is None:
         return f"error of {entry['of']}: not measured, measured.csv has none of this case"
-    line = f"error of {entry['of']}: predicted {percent(entry['predicted'])}"
+    mean = f", mean of {entry['runs']} runs" if entry["runs"] > 1 else ""
+    line = f"error of {entry['of']}{mean}: predicted {percent(entry['predicted'])}"
     if entry["estimated"] is not None:
         line += f", estimated {percent(entry['estimated'])}"
     return f"{line} ({entry['how']})"
-
-
-def percent(error: float) -> str:
-    """An error as a text."""
-    return f"{100 * error:.2g} %" if error < 0.995 else f"{100 * error:.0f} %"
 
 
 def _time(value):

@@ -8,7 +8,7 @@ see choice.py for what h, l, s, spread and own are.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,6 +39,10 @@ class PowerLaw:
     def error(self, ratio: float, sensitivity: float = 1.0, own: float = 0.0) -> float:
         """Relative error at r."""
         return math.hypot(sensitivity * self.factor * ratio**self.order + own, self.spread)
+
+    def of_runs(self, runs: int) -> "PowerLaw":
+        """The law of the mean of several runs from other starts."""
+        return replace(self, spread=self.spread / math.sqrt(runs))
 
     def ratio(self, error: float, sensitivity: float = 1.0, own: float = 0.0) -> tuple[float, bool]:
         """Largest r that keeps an error, and whether it does.

@@ -2,23 +2,28 @@
 """How many runs the mean of an ensemble needs for an error: standard error = scatter / sqrt(runs).
 
 Torque curves of runs whose starts differ by a thousandth part scatter; so the mean curve of n runs
-is off by SCATTER / sqrt(n), however small its cells. A word asks for the standard error of WANTED,
-a percentage for itself.
+is off by scatter / sqrt(n), however small its cells. The scatter of single runs was measured, of
+level walks and of walks over an obstacle (measured.csv, the spread of the torque curve). A word
+asks for the standard error of `asked.WALK_WORDS`, a percentage for itself. Root mean square, work
+and peak repeat better than the curve.
 """
 
 import math
+from pathlib import Path
 
-from .choice import relative_error
+from .asked import relative_error
+from .measured import TABLE, power_laws
 
-# of single runs of a walk in relaxed cells, of the curve's root mean square: level walking and the
-# stride over the obstacle, starts 0.1 % apart. The root mean square itself scatters by 1.5 %, the
-# peak by 8 %.
-SCATTER = 0.16
-WANTED = {"draft": 0.10, "standard": 0.08, "fine": 0.06}
+CURVE = "torque curve"
 MOST = 16  # a smaller error asks for more runs than anyone waits for: `--runs` gives them
 
 
-def runs_needed(asked: float | str) -> int:
+def curve_scatter(table: Path = TABLE) -> float:
+    """Scatter of the torque curve of a single run of a walk, over its root mean square."""
+    return next(iter(power_laws("walk", table).values()))[CURVE].spread
+
+
+def runs_needed(asked: float | str, table: Path = TABLE) -> int:
     """Runs whose mean curve is off by no more than an error; 2 to MOST.
 
     Parameters
@@ -31,13 +36,13 @@ def runs_needed(asked: float | str) -> int:
 
     Examples
     --------
-    >>> [runs_needed(asked) for asked in ("draft", "standard", "fine", "10%", "1%")]
-    [3, 4, 8, 3, 16]
+    >>> runs_needed("90%"), runs_needed("0.1%")
+    (2, 16)
     """
-    error = WANTED[asked] if asked in WANTED else relative_error(asked)
-    return min(MOST, max(2, math.ceil((SCATTER / error) ** 2 - 1e-9)))
+    error = relative_error(asked, "walk")
+    return min(MOST, max(2, math.ceil((curve_scatter(table) / error) ** 2 - 1e-9)))
 
 
-def error_of_mean(runs: int) -> float:
+def error_of_mean(runs: int, table: Path = TABLE) -> float:
     """Standard error of the mean curve of an ensemble, over its root mean square."""
-    return SCATTER / math.sqrt(runs)
+    return curve_scatter(table) / math.sqrt(runs)

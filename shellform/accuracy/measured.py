@@ -51,13 +51,18 @@ def power_laws(
         raise ValueError(
             f"no errors of '{case}' in {path}: demos/studies/accuracy/run.py --write measures it"
         )
-    spread = {row["quantity"]: row["error"] for row in mine if row["kind"] == "spread"}
-    for family in found.values():
+    spreads = [row for row in mine if row["kind"] == "spread"]
+    # a family without a spread of its own has that of the first
+    spread = {row["quantity"]: row["error"] for row in reversed(spreads)}
+    own = {(row["family"], row["quantity"]): row["error"] for row in spreads}
+    for name, family in found.items():
         for quantity, rows in family.items():
             ratios, errors, unsure = (
                 [row[k] for row in rows] for k in ("ratio", "error", "uncertainty")
             )
-            family[quantity] = fit(ratios, errors, unsure, spread.get(quantity, 0.0))
+            family[quantity] = fit(
+                ratios, errors, unsure, own.get((name, quantity), spread.get(quantity, 0.0))
+            )
     return found
 
 
@@ -66,7 +71,11 @@ def cost(case: str, family: str, path: Path = TABLE) -> tuple[float, float, floa
     """Core-seconds a step (at no nodes, a node), MB (at no nodes, a node), by least squares."""
     from scipy.optimize import nnls
 
-    rows = [r for r in read(path) if (r["case"], r["family"], r["kind"]) == (case, family, "mesh")]
+    rows = [
+        r
+        for r in read(path)
+        if (r["case"], r["family"], r["kind"]) == (case, family, "mesh") and r["core_seconds"] > 0
+    ]
     nodes = np.array([row["nodes"] for row in rows])
     per_step = np.array([row["core_seconds"] / row["steps"] for row in rows])
     A = np.column_stack([np.ones_like(nodes), nodes])

@@ -42,7 +42,7 @@ class Report:
         if comm.rank == 0:
             self.folder.mkdir(parents=True, exist_ok=True)
         self.seconds = dict.fromkeys(STAGES, 0.0)
-        self._start = time.perf_counter()
+        self._start, self._processor = time.perf_counter(), time.process_time()
         self.summary: dict = {"scene": scene, "plan": {}, "settings": settings, "ranks": comm.size}
 
     @contextmanager
@@ -82,9 +82,11 @@ class Report:
         seconds = {k: round(v, 4) for k, v in self.seconds.items()}
         seconds["total"] = round(time.perf_counter() - self._start, 4)
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        processor = self.comm.allreduce(time.process_time() - self._processor)
         self.summary |= entries
         self.summary |= {
             "seconds": seconds,
+            "core_seconds": round(processor, 4),
             "peak_memory_mb": round(self.comm.allreduce(memory), 1),
             "versions": versions(),
             "results": results,

@@ -11,7 +11,7 @@ from dataclasses import fields
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, get_args
 
-from shellform.accuracy.choice import relative_error
+from shellform.accuracy.asked import relative_error
 
 from .parts import PARTS
 

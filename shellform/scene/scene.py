@@ -8,7 +8,7 @@ checked when it is made; nothing is computed. wearer.py and garment.py turn it i
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 
-from shellform.accuracy.choice import Choice, choose, garment_length
+from shellform.accuracy.choice import Choice, choose, cloth_family, garment_length
 from shellform.accuracy.ensemble_size import runs_needed
 from shellform.material.card import fabric_of
 from shellform.material.fabric import Fabric
@@ -75,7 +75,9 @@ class Scene:
     @property
     def choice(self) -> Choice:
         """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
-        length = garment_length(fabric_of(self.fabric))
-        choice = choose("walk", self.steps.accuracy, length)
+        cloth = fabric_of(self.fabric)
+        length, families = garment_length(cloth), [cloth_family(cloth)]
+        choice = choose("walk", self.steps.accuracy, length, families=families)
+        choice = replace(choice, runs=self.runs)
         given = self.garment.cell_size
         return replace(choice.at(given), asked=None, kept=True) if given else choice

@@ -9,6 +9,7 @@ Force balance, depths, pressure and frames are those of run 0.
 
 import json
 from collections.abc import Callable, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -187,6 +188,21 @@ def compare_runs(one: str | Path, other: str | Path) -> dict[str, dict]:
     return compare(*(counted_courses(folder) for folder in (one, other)))
 
 
+def complete_of(out: str | Path) -> list[Member]:
+    """Runs in the folder of an ensemble, up to the first that is not complete.
+
+    Raises
+    ------
+    ValueError where run 0 is not complete
+    """
+    out = Path(out)
+    members = members_of(read_scene(out / "scene.toml"), out) if _has_scene(out) else []
+    complete = list(takewhile(lambda member: member.complete, members))
+    if not complete:
+        raise ValueError(f"{out} holds no complete run: compute it with `shellform run`")
+    return complete
+
+
 def counted_courses(out: str | Path) -> dict[str, Course]:
     """Courses of all joints in the folder of an ensemble, over what counts of its motion.
 
@@ -194,14 +210,9 @@ def counted_courses(out: str | Path) -> dict[str, Course]:
     ------
     ValueError where run 0 is not complete; runs from the first that is not are left out
     """
-    out = Path(out)
-    members = members_of(read_scene(out / "scene.toml"), out) if _has_scene(out) else []
-    if not members or not members[0].complete:
-        raise ValueError(f"{out} holds no complete run: compute it with `shellform run`")
-    complete = [member.complete for member in members]
-    first = complete.index(False) if False in complete else len(members)
+    members = complete_of(out)
     recording = wearer_of(members[0].scene).recording
-    files = [member.out / "torque.csv" for member in members[:first]]
+    files = [member.out / "torque.csv" for member in members]
     courses = read_courses(files, float(recording.times[0]))
     window = counted(recording)
     return {joint: course.within(*window) for joint, course in courses.items()}

@@ -19,16 +19,16 @@ from shellform.accuracy import measured
 from shellform.accuracy.choice import GARMENT, LEADING
 from shellform.accuracy.convergence import FLAT, companion_error
 from shellform.results.files import write_atomically
-from shellform.results.joint_torque import rows_until
 from shellform.scene.scene import Scene
 
+from .ensemble import run
 from .model import Model
 from .prediction import DRESSED
-from .run import run
 from .summary import summary_of
 
 PERCENT = ("10%", "3%", "1%", "0.3%")
 COARSEST = 0.04  # m, of cells that still make trousers
+FLEXED = ("hip", "knee")  # joints whose torques count, where a wearer has them
 
 
 def table_rows(scene: Scene, model: Model, seconds: float) -> list[dict]:
@@ -51,7 +51,7 @@ def table_rows(scene: Scene, model: Model, seconds: float) -> list[dict]:
         row = {"asked": asked, "choice": choice, "nodes": many, "time_step": step}
         if choice.power_laws:
             work = choice.case, choice.family, many
-            row["core_seconds"] = measured.seconds(*work, seconds / step)
+            row["core_seconds"] = choice.runs * measured.seconds(*work, seconds / step)
             row["memory_mb"] = measured.memory(*work)
         rows.append(row)
     return rows
@@ -60,19 +60,19 @@ def table_rows(scene: Scene, model: Model, seconds: float) -> list[dict]:
 def table_lines(scene: Scene, rows: list[dict], ranks: int) -> list[str]:
     """Lines of the table for a person."""
     said = [
-        f"{scene.title}: error of {LEADING['walk']} (root mean square over that of the curve)",
-        f"{'asked':>9}  {'error':>6}  {'kept':>4}  {'cells mm':>8}  {'nodes':>6}  {'step s':>8}  "
+        f"{scene.title}: error of {LEADING['walk']} (of hips and knees, each relative to itself)",
+        f"{'asked':>9}  {'error':>6}  {'kept':>4}  {'runs':>4}  {'cells mm':>8}  {'nodes':>6}  "
+        f"{'step s':>8}  "
         f"{'minutes':>7}  {'MB':>5}   on {ranks} {'rank' if ranks == 1 else 'ranks'}",
     ]
     for row in rows:
         choice = row["choice"]
-        word = row["asked"] in GARMENT
-        kept = "" if word else ("yes" if choice.kept else "no")
+        kept = "yes" if choice.promised else "no"
         minutes = row.get("core_seconds", np.nan) / 60 / ranks
         said.append(
-            f"{row['asked']:>9}  {100 * choice.error:5.0f}%  {kept:>4}  {1e3 * choice.size:8.1f}  "
-            f"{row['nodes']:6.0f}  {row['time_step']:8.1e}  {minutes:7.1f}  "
-            f"{row.get('memory_mb', np.nan):5.0f}"
+            f"{row['asked']:>9}  {100 * choice.error:5.0f}%  {kept:>4}  {choice.runs:>4}  "
+            f"{1e3 * choice.size:8.1f}  {row['nodes']:6.0f}  {row['time_step']:8.1e}  "
+            f"{minutes:7.1f}  {row.get('memory_mb', np.nan):5.0f}"
         )
     known = rows[0]["choice"].power_laws
     if known:
@@ -109,7 +109,7 @@ def cost_table(
         run(one, folder, comm)
         comm.Barrier()
         runs.append((size, folder))
-    said.append("measured: cells mm, minutes, torques differ from those of the next finer cells by")
+    said.append("measured: cells mm, minutes, torques differ from those of the next finer by")
     for (size, folder), after in zip(runs, [*runs[1:], None], strict=True):
         summary = summary_of(folder)
         apart = f"{100 * difference(after[1], folder):.0f} %" if after else ""
@@ -118,20 +118,21 @@ def cost_table(
     return said
 
 
-def curves(folder: str | Path) -> np.ndarray:
-    """Torques about the flexion axes of all joints of a run (joints, windows that count) [N m]."""
-    begin, end = summary_of(folder)["results"]["counted_s"]
-    rows = [
-        row for row in rows_until(Path(folder) / "torque.csv", end) if row["time"] > begin + 1e-6
-    ]
-    joints = list(dict.fromkeys(row["joint"] for row in rows))
-    return np.array([[r["torque_flexion"] for r in rows if r["joint"] == j] for j in joints])
+def root_mean_squares(folder: str | Path) -> np.ndarray:
+    """Root mean squares (j,) of the torques [N m] about hips and knees of an ensemble.
+
+    Of all joints on which the clothing acts, where the wearer has neither.
+    """
+    joints = summary_of(folder)["results"]["joints"]
+    found = {joint: row["rms_torque"] for joint, row in joints.items() if row["rms_torque"] > 0}
+    flexed = [value for joint, value in found.items() if joint.endswith(FLEXED)]
+    return np.array(flexed or list(found.values()))
 
 
 def difference(one: str | Path, other: str | Path) -> float:
-    """Root mean square of the difference of the torques of two runs, over that of the first."""
-    a, b = curves(one), curves(other)
-    return float(np.sqrt(np.mean((a - b) ** 2) / np.mean(a**2)))
+    """Relative differences of the torques' root mean squares of two ensembles, rms over joints."""
+    a, b = root_mean_squares(one), root_mean_squares(other)
+    return float(np.sqrt(np.mean(((a - b) / a) ** 2)))
 
 
 def companion_scene(scene: Scene) -> Scene:
@@ -174,7 +175,7 @@ def estimate(scene: Scene, out: str | Path, comm: MPI.Comm = MPI.COMM_WORLD) -> 
         error, how = apart, f"difference from a run with {how}, as errors show no order in the size"
     else:
         size = companion_error(apart, 1 / scene.cell_size, 1 / other.cell_size, choice.order)
-        error = float(np.hypot(size, choice.power_law.spread if choice.power_laws else 0.0))
+        error = float(np.hypot(size, choice.power_law.spread))
         how = f"run with {how}; what another start changes added"
     entry = choice.summary(error, how)
     comm.Barrier()

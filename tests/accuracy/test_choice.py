@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Cells chosen by the error asked for, and predictions kept on scenes that were held out."""
 
+from dataclasses import replace
+
 import pytest
 
 from demos.studies.accuracy import run as study
 from demos.studies.accuracy.held_out import SCENES, measure
 from shellform.accuracy import measured
-from shellform.accuracy.choice import choose, relative_error
+from shellform.accuracy.asked import WALK_WORDS, relative_error
+from shellform.accuracy.choice import GARMENT, accuracy_line, choose
+from shellform.accuracy.ensemble_size import runs_needed
 from shellform.scene.parts import Steps
 from shellform.scene.scene import Scene
 from shellform.simulation.prediction import tricks
@@ -39,15 +43,40 @@ def test_the_cheaper_family_is_chosen():
 def test_what_cannot_be_promised_is_told():
     """A walk repeats to some percent only: 0.1 % is refused in words, with what it leaves."""
     choice = choose("walk", "0.1%", 0.0175)
-    assert not choice.kept
-    assert "0.1% of torque cannot be promised" in choice.lines()[-1]
-    words = [choose("walk", word, 0.0175) for word in ("draft", "standard", "fine")]
-    # a word fixes the cells of a garment; that they leave what the word says is not claimed
-    assert all(word.kept and word.summary(None, "")["promised"] is False for word in words)
-    for word in words:
-        # folds choose among many states: what is lost to that is told with every choice
-        assert any("of torque another start alone changes" in line for line in word.lines())
-        assert word.error > word.power_law.spread > 0.05
+    assert not choice.kept and choice.promised is False
+    assert "0.1% of torque rms cannot be promised" in choice.lines()[-1]
+
+
+def test_cells_and_runs_of_a_walk_are_chosen_together():
+    """Both grow with what is asked; what runs take off is the scatter of one, over their root."""
+    wishes = ("20%", "10%", "8%", "5%")
+    choices = [choose("walk", asked, 0.0175) for asked in wishes]
+    assert [c.runs for c in choices] == [runs_needed(asked) for asked in wishes]
+    assert choices[0].runs < choices[-1].runs
+    sizes = [choice.size for choice in choices]
+    assert sizes == sorted(sizes, reverse=True)
+    assert max(sizes) <= GARMENT["draft"] * 0.0175 * (1 + 1e-12)
+    for choice in choices:
+        assert not choice.kept or choice.error <= relative_error(choice.asked) * (1 + 1e-9)
+        more = replace(choice, runs=4 * choice.runs)
+        for name, law in choice.power_laws.items():
+            cells = law.factor * choice.ratio**law.order
+            once, again = choice.predicted[name], more.predicted[name]
+            assert once**2 - cells**2 == pytest.approx(
+                4 * (again**2 - cells**2), rel=1e-6, abs=1e-12
+            )
+
+
+def test_words_of_a_walk_are_promised():
+    """Each word fixes the cells and says whether they leave what it stands for."""
+    for word, ratio in GARMENT.items():
+        choice = choose("walk", word, 0.0175)
+        assert choice.ratio == ratio and choice.runs == runs_needed(word)
+        assert choice.promised is (choice.error <= WALK_WORDS[word])
+        assert f"mean of {choice.runs} runs" in choice.lines()[0]
+        entry = choice.summary(None, "as measured")
+        assert f"torque rms, mean of {choice.runs} runs: predicted" in accuracy_line(entry)
+    assert choose("walk", "draft", 0.0175).promised and choose("walk", "10%", 0.0175).promised
 
 
 @pytest.mark.parametrize("wrong", ["0%", "banana", "100%", "-3%", "3", "", "nan%", 0.0, 2, None])

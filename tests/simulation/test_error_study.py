@@ -3,7 +3,6 @@
 
 import json
 
-import numpy as np
 import pytest
 
 from shellform import console
@@ -26,7 +25,7 @@ def test_trade_of_the_default_scene(tmp_path, capsys, monkeypatch):
     capsys.readouterr()
     main(["trade", "scene.toml"])
     said = capsys.readouterr().out.splitlines()
-    assert "error of torque" in said[0]
+    assert "error of torque rms" in said[0]
     rows = {line.split()[0]: line.split() for line in said[2:9]}
     assert list(rows) == ["draft", "standard", "fine", "10%", "3%", "1%", "0.3%"]
     sizes, nodes, steps = (
@@ -39,7 +38,7 @@ def test_trade_of_the_default_scene(tmp_path, capsys, monkeypatch):
     assert minutes[0] < minutes[1] < minutes[2]
     assert not (tmp_path / "out").exists()
     # what no cells can keep is told with the reason
-    assert "of torque cannot be promised: " in said[-1]
+    assert "of torque rms cannot be promised: " in said[-1]
 
 
 def false_run(monkeypatch, order=2.0):
@@ -47,13 +46,10 @@ def false_run(monkeypatch, order=2.0):
 
     def run(scene, out, comm, dressed=None, watch=None):
         out.mkdir(parents=True, exist_ok=True)
-        curve = np.sin(np.linspace(0, 6, 50)) * (1 + scene.cell_size**order)
-        text = [
-            "joint,time,torque_flexion",
-            *(f"right_knee,{k},{t!r}" for k, t in enumerate(curve)),
-        ]
-        (out / "torque.csv").write_text("\n".join(text) + "\n")
-        entry = {"seconds": {"total": 60.0}, "results": {"counted_s": [-1.0, 49.0]}}
+        size = 1 + scene.cell_size**order
+        joints = {"right_hip": 2.0 * size, "right_knee": 0.3 * size, "right_ankle": 0.0}
+        results = {"joints": {name: {"rms_torque": value} for name, value in joints.items()}}
+        entry = {"seconds": {"total": 60.0}, "results": results}
         (out / "summary.json").write_text(json.dumps(entry))
 
     monkeypatch.setattr(error_study, "run", run)
@@ -62,7 +58,9 @@ def false_run(monkeypatch, order=2.0):
 def measured_as(monkeypatch, law):
     """Errors of torques go with the size as `law` says, in place of the table's."""
     home = "shellform.accuracy.choice.power_laws"
-    monkeypatch.setattr(home, lambda *_, **__: {"quads": {"torque": law}})
+    monkeypatch.setattr(
+        home, lambda *_, **__: {"quads": dict.fromkeys(("torque rms", "torque curve"), law)}
+    )
 
 
 def test_a_companion_run_gives_the_error(tmp_path, monkeypatch):

@@ -29,13 +29,15 @@ class Case(NamedTuple):
 
     name : str; ladder : list of dict of settings; run : function (settings) -> dict with `ratio`,
     `nodes`, `steps`, `time_step`, `core_seconds` and either `errors` {quantity: relative error} or
-    `values` {quantity: number or (k,) curve}; length : l [m]
+    `values` {quantity: number or (k,) curve}; length : l [m]; rows : function (case, runs) -> list
+    of dict that makes rows of what `run` found, None: that of rows.py
     """
 
     name: str
     ladder: list
     run: object
     length: float
+    rows: object = None
 
 
 class Timer:

@@ -38,7 +38,8 @@ from demos.studies.accuracy.rows import rows_of
 from demos.studies.accuracy.tables import table_lines
 from demos.studies.accuracy.walk_case import walk_case
 from shellform.accuracy import measured
-from shellform.accuracy.choice import LEADING, WORDS, choose
+from shellform.accuracy.asked import WORDS
+from shellform.accuracy.choice import LEADING, choose
 from shellform.accuracy.convergence import cheapest, pareto_front
 from shellform.console import parse, positive, run, say
 from shellform.results.files import write_atomically
@@ -256,7 +257,7 @@ def words(name):
     found = {}
     for word in WORDS:
         choice = choose(name, word, 1.0)
-        found[word] = {"ratio": choice.ratio, "promised": choice.kept} | choice.predicted
+        found[word] = {"ratio": choice.ratio, "promised": choice.promised} | choice.predicted
     return found
 
 

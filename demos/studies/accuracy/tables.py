@@ -6,7 +6,8 @@
 
 import math
 
-from shellform.accuracy.choice import LEADING, WORDS, choose, percent
+from shellform.accuracy.asked import WORDS, percent, relative_error
+from shellform.accuracy.choice import LEADING, choose
 from shellform.accuracy.convergence import cheapest
 from shellform.accuracy.measured import power_laws, read
 
@@ -70,7 +71,7 @@ def words():
         found = [choose(case, word, 1.0) for word in WORDS]
         cells = (
             f"{choice.ratio:.2f} l, {percent(choice.error)}"
-            + ("" if choice.error <= WORDS[choice.asked] else " *")
+            + ("" if choice.error <= relative_error(choice.asked, case) else " *")
             for choice in found
         )
         said.append(f"| {case.replace('_', ' ')} | {' | '.join(cells)} |")
