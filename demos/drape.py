@@ -22,10 +22,11 @@ Source. The paper's Fig. 6.
     python demos/drape.py --model particles
     python demos/drape.py --stepper implicit --time-step 4e-3
     python demos/drape.py --handover 0.5
+    python demos/drape.py --cells 12 --wrinkles relaxed
 
 leaves summary.json, ledger.csv, checkpoint.npz, drape.png, drape.gif and a series for ParaView in
-the folder; a run that fails leaves ledger, frames and checkpoint of its last output time
-(implicit steps and particles that hand over leave no checkpoint).
+the folder, and wrinkles.png of a relaxed sheet; a run that fails leaves ledger, frames and
+checkpoint of its last output time (no checkpoint of implicit steps and particles that hand over).
 Default data: E t = 1000 N/m, nu = 0.3, bending of a sheet of 1 mm, 0.2 kg/m2, a sphere of radius
 0.25 m whose top is 0.05 m below the sheet.
 """
@@ -47,6 +48,7 @@ from shellform.accuracy.measured import seconds
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
+from shellform.fem.wrinkles import KINDS
 from shellform.results.ledger import Ledger
 from shellform.results.report import Report
 from shellform.results.series import Series
@@ -67,6 +69,12 @@ def arguments(given):
     parser.add_argument("--stepper", choices=("explicit", "implicit"), default="explicit")
     parser.add_argument("--model", choices=("shell", "particles"), default="shell")
     parser.add_argument("--membrane", choices=("arcs", "chords"), default="arcs")
+    parser.add_argument(
+        "--wrinkles",
+        choices=KINDS,
+        default="resolved",
+        help="those smaller than a cell: relaxed, or cells alone fold",
+    )
     parser.add_argument("--distort", type=float, default=0.0, help="of the mesh, parts of a cell")
     parser.add_argument("--seed", type=int, default=0, help="of distortion and perturbation")
     parser.add_argument("--perturb", type=float, default=0.0, help="random height at the start, m")
@@ -126,7 +134,8 @@ def sheet(options):
         options.thickness,
         name="drape",
     )
-    shell = Shell(square, fabric, COMM, membrane=options.membrane)
+    kinds = {"membrane": options.membrane, "wrinkles": options.wrinkles}
+    shell = Shell(square, fabric, COMM, **kinds)
     if options.pinned == "corner":
         shell.supports.hold(np.array([0]))
     shell.loads.gravity((0.0, 0.0, -G))
@@ -324,6 +333,11 @@ def main(given=None):
             from shellform.pictures.cloth_on_body import draw_cloth_on_body
 
             draw_cloth_on_body(report.folder, "drape", fall.frames, cells, body, apart)
+            if options.wrinkles == "relaxed":
+                # only here: nobody else needs it
+                from shellform.pictures.wrinkles import draw_drape_wrinkles
+
+                draw_drape_wrinkles(report.folder / "wrinkles.png", body, report.folder)
     if options.stepper == "implicit":
         more, iterations = newton_results(fall, report)
         results |= more
@@ -334,6 +348,7 @@ def main(given=None):
     entries |= {"steps": fall.steps, "newton_iterations": iterations}
     report.write(results, time_step=fall.stepper.dt, **entries)
     written = "summary.json, ledger.csv, drape.png, drape.gif, series.pvd"
+    written += ", wrinkles.png" if options.wrinkles == "relaxed" else ""
     console.say([f"wrote {report.folder}/{written}"])
 
 

@@ -22,9 +22,10 @@ Source. The paper's Sec. 4.2; the synthetic walk is that of shellform/motion/gai
     python demos/walk.py --runs 1                     # one start, without a band
     python demos/walk.py --motion walk.c3d --fabric stiff
 
-leaves walk.png, torque.png, pressure.png, walk.gif and summary.json in the folder, and a folder a
-fabric with torque_mean.csv, torque.csv, ledger.csv, a series for ParaView, the dressed state and a
-checkpoint (`shellform resume`), further starts in run_1, run_2, ...
+leaves walk.png, torque.png, pressure.png, walk.gif, summary.json and, where cloth wrinkles below
+its cells, wrinkles.png in the folder, and a folder a fabric with torque_mean.csv, torque.csv,
+ledger.csv, a series for ParaView, the dressed state and a checkpoint (`shellform resume`), further
+starts in run_1, run_2, ...
 """
 
 import argparse
@@ -146,15 +147,16 @@ def main(given=None):
         steps=sum(summary["steps"] for summary in summaries),
         newton_iterations=0,
     )
-    written = "walk.png, torque.png, pressure.png, walk.gif, summary.json"
+    written = "walk.png, torque.png, pressure.png, wrinkles.png, walk.gif, summary.json"
     console.say([f"\nwrote {options.out}/{written}"])
 
 
 def draw(options, names, scene):
-    """walk.png, torque.png and walk.gif."""
+    """walk.png, torque.png, walk.gif, pressure.png and, of relaxed cloth, wrinkles.png."""
     # only here: rank 0 alone draws
     from shellform.pictures.skin_pressure import pressure_figure
     from shellform.pictures.walk import draw_all
+    from shellform.pictures.wrinkles import draw_walk_wrinkles
     from shellform.results.skin_pressure import load
 
     first = options.out / names[0]
@@ -163,6 +165,8 @@ def draw(options, names, scene):
     dressing = dressing_frames(first)
     wearer = wearer_of(scene)
     draw_all(options.out, wearer, dressing, first, rows, JOINT, title)
+    about = f"Wrinkles smaller than a cell, trousers of {names[0]} cloth"
+    draw_walk_wrinkles(options.out / "wrinkles.png", wearer, first, about)
     skin = load(first / "pressure.npz")
     pressure_figure(
         options.out / "pressure.png", wearer, skin, wearer.start, f"{names[0]} trousers"

@@ -13,6 +13,10 @@ Cells that wrinkle have next to no stiffness of their own: the tangent, not the 
 part of that of the taut sheet.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from petsc4py import PETSc
 
 import numpy as np
@@ -20,15 +24,21 @@ import numpy as np
 from meshes import Surface
 from shellform.material.energy import StVenant, is_quadratic
 from shellform.material.sheet import Sheet
+from shellform.material.wrinkling import WRINKLED
 
 from .arc import half_length_squared
 from .dolfinx_compat import cell_nodes, given_cells
 from .membrane_law import Density, MembraneLaw, Quadratic
 from .partition import Partition
 from .segment_forms import WIDTH, SegmentForms
-from .six_lengths import FIRST, SECOND, six_lengths
+from .six_lengths import FIRST, SECOND, lamina_axes, six_lengths
+from .wrinkle_field import Wrinkling, crests, wrinkle_strain
 from .wrinkles import Wrinkles
 
+if TYPE_CHECKING:
+    from .relaxed_law import Relaxed
+
+NOT_RELAXED = "a sheet with wrinkles='resolved' has no cells that wrinkle: take wrinkles='relaxed'"
 SPARE_STIFFNESS = 1e-4  # share of the taut stiffness in the tangent of cells that wrinkle
 
 
@@ -60,20 +70,22 @@ class CellMembrane:
         self._index = (6 * dofs[:, :, None] + np.arange(6)).reshape(-1, WIDTH)
         self._reference, self._partition = reference, partition
         points = (partition.surface.points[partition.nodes] - partition.origin)[dofs]
-        warp = cell_warp(partition.surface, fabric, partition)
-        self.B, self.modes, self.area = six_lengths(points, warp, np.asarray(fabric.membrane))
+        self._warp = cell_warp(partition.surface, fabric, partition)
+        membrane = np.asarray(fabric.membrane)
+        self.B, self.modes, self.area = six_lengths(points, self._warp, membrane)
         self._forms = SegmentForms(mesh, points, weighted=relaxed)
-        self._stiffness = np.asarray(fabric.membrane)
+        self._stiffness = membrane
         self.wrinkles: Wrinkles | None = None
         self._points, self._given = points, np.zeros(len(points))
         self.law: MembraneLaw
+        self._relaxed: Relaxed | None = None
         if relaxed:
             # only here: its law is a kernel, and statics of other sheets need no compiler of those
             from .relaxed_law import Relaxed
 
             self.wrinkles = Wrinkles(fabric, np.sqrt(self.area))
             self._forms.arcs = self.wrinkles.arcs
-            self.law = Relaxed(self._stiffness, self.wrinkles)
+            self.law = self._relaxed = Relaxed(self._stiffness, self.wrinkles)
         elif is_quadratic(law, "membrane"):
             self.law = Quadratic(self._stiffness)
         else:
@@ -94,7 +106,7 @@ class CellMembrane:
         """Take over beds (m,) [Pa/m] of a relaxed sheet; the energy [J] that this adds at w."""
         wrinkles = self.wrinkles
         if wrinkles is None:
-            raise ValueError("a sheet with wrinkles='resolved' has no beds")
+            raise ValueError(NOT_RELAXED)
         new = np.flatnonzero(stiffness != self._given)
         if not len(new):
             return 0.0
@@ -103,13 +115,31 @@ class CellMembrane:
         wrinkles.set_beds(self._given)
         return self._stored(new, w) - before
 
+    def wrinkling(self, w: np.ndarray) -> Wrinkling:
+        """State, crest and wrinkle strain of the cells of a relaxed sheet at a nodal field w."""
+        if self._relaxed is None:
+            raise ValueError(NOT_RELAXED)
+        E = np.einsum("mij,mj->mi", self.B, self._lengths_of(slice(None), w))
+        _, stress, _ = self._relaxed(E)
+        state, direction = self._relaxed.state.copy(), self._relaxed.direction
+        corners = self._points + np.reshape(w, -1)[self._index].reshape(-1, 4, 6)[:, :, :3]
+        axes = lamina_axes(self._points, self._warp)
+        crest = crests(self._points, corners, axes, direction)
+        crest[state != WRINKLED] = 0.0
+        return Wrinkling(state, crest, wrinkle_strain(E, stress, self._stiffness, state))
+
     def _stored(self, cells, w):
-        """Energy [J] of the strain of some cells, without the modes of bending in plane."""
+        """Energy [J] of some cells; compiles nothing."""
+        s = self._lengths_of(cells, w)
+        energy, *_ = self.law(np.einsum("mij,mj->mi", self.B[cells], s), cells)
+        bending = np.einsum("mki,mi->mk", self.modes[cells], s)
+        return float(self.area[cells] @ energy + 0.5 * np.sum(bending**2))
+
+    def _lengths_of(self, cells, w):
+        """Lengths (k, 6) of some cells less those at rest; compiles nothing."""
         nodes = np.reshape(w, -1)[self._index[cells]].reshape(-1, 4, 6)
         rest = self._reference.reshape(-1)[self._index[cells]].reshape(-1, 4, 6)
-        s = self._of_arcs(cells, nodes) - self._of_arcs(cells, rest)
-        energy, *_ = self.law(np.einsum("mij,mj->mi", self.B[cells], s), cells)
-        return float(self.area[cells] @ energy)
+        return self._of_arcs(cells, nodes) - self._of_arcs(cells, rest)
 
     def _of_arcs(self, cells, w):
         x, d = (

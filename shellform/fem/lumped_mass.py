@@ -14,7 +14,7 @@ from shellform.material.sheet import Sheet
 from .element import ENDS, SIMPSON, product_rule
 from .shape_functions import shape_functions
 
-ROTARY_SCALE = 2.25  # c: rotary inertia rho t A 3 h^2/16, measured to leave the membrane in charge
+ROTARY_SCALE = 2.0  # c: rotary inertia rho t A h^2/6, measured to leave the membrane in charge
 
 
 def nodal_areas(surface: Surface) -> np.ndarray:

@@ -16,7 +16,14 @@ from numpy.typing import ArrayLike
 
 from meshes import Surface
 
-from .dolfinx_compat import cell_nodes, geometry_nodes, given_points, surface_mesh, vector_space
+from .dolfinx_compat import (
+    cell_nodes,
+    geometry_nodes,
+    given_cells,
+    given_points,
+    surface_mesh,
+    vector_space,
+)
 
 # corners of a dolfinx cell run in tensor order, those of a surface in cyclic order
 DOLFINX_ORDER = {3: [0, 1, 2], 4: [0, 1, 3, 2], 9: [0, 1, 3, 2, 4, 7, 5, 6, 8]}
@@ -152,4 +159,12 @@ class Partition:
         whole = np.empty((len(self.surface.points), *np.shape(owned)[1:]))
         for nodes, values in parts:
             whole[nodes] = values
+        return whole
+
+    def gather_cells(self, values: np.ndarray) -> np.ndarray:
+        """Values (m, k) of the surface's cells, on all ranks, from those (m_local, k) of each."""
+        own = given_cells(self.mesh)[: len(values)], np.ascontiguousarray(values)
+        whole = np.empty((len(self.surface.cells), *np.shape(values)[1:]))
+        for cells, part in self.comm.allgather(own):
+            whole[cells] = part
         return whole

@@ -21,7 +21,7 @@ from meshes.geometry import widest_corners
 from shellform.material.energy import StVenant, check_law, is_quadratic
 from shellform.material.sheet import Sheet
 
-from .cell_membrane import CellMembrane
+from .cell_membrane import NOT_RELAXED, CellMembrane
 from .dolfinx_compat import (
     Constant,
     Function,
@@ -37,6 +37,7 @@ from .partition import Partition
 from .shape_functions import locate
 from .supports import Supports
 from .weak_form import WeakForm
+from .wrinkle_field import Wrinkling
 from .wrinkles import KINDS, Wrinkles
 
 # field w_ of an iterate and the change since, arrays with ghosts: the stress is linearised about it
@@ -227,6 +228,21 @@ class Shell:
         """
         nodes, weights = locate(self.partition.surface, point)
         return weights @ self.displacements()[nodes]
+
+    def wrinkling(self) -> Wrinkling:
+        """Taut, wrinkled and slack cells of a relaxed sheet as it lies now.
+
+        In the surface's numbering of cells; all ranks call it, all get it.
+
+        Raises
+        ------
+        ValueError for a sheet that is not relaxed
+        """
+        if not (self.relaxed and self.cell_membrane):
+            raise ValueError(NOT_RELAXED)
+        state, crest, strain = self.cell_membrane.wrinkling(self.w.x.array)
+        whole = self.partition.gather_cells(np.column_stack([state, strain, crest]))
+        return Wrinkling(whole[:, 0].astype(np.int64), whole[:, 2:], whole[:, 1])
 
     def _gathered(self):
         owned = self.w.x.array.reshape(-1, 6)[: self.partition.n_owned]

@@ -80,8 +80,10 @@ def facets_and_sides(
     return facets, np.stack([rim[:, :-1], rim[:, 1:]], axis=2).reshape(-1, 2, 3)
 
 
-def colour_of(name: str) -> np.ndarray:
-    """Red, green, blue (3,) from 0 to 1 of a colour #rrggbb."""
+def colour_of(name: str | np.ndarray) -> np.ndarray:
+    """Red, green, blue (3,) from 0 to 1 of a colour #rrggbb; arrays are taken as they are."""
+    if not isinstance(name, str):
+        return name
     return np.array([int(name[i : i + 2], 16) for i in (1, 3, 5)]) / 255
 
 
@@ -124,8 +126,9 @@ def draw_surfaces(
     axes : matplotlib axes
     surfaces : list of (facets (m, k, 3), sides (s, 2, 3), True for the facets' own outlines, or
         None, front colour, back colour, back)
-        A facet shows its front colour where its normal looks at the eye. `back` [m] moves a surface
-        away from the eye when it is decided what hides what, as for a body under a cloth.
+        A facet shows its front colour where its normal looks at the eye; colours are #rrggbb, or
+        (m, 3), one a facet. `back` [m] moves a surface away from the eye when it is decided what
+        hides what, as for a body under a cloth.
     azimuth, elevation : float, degrees
     """
     from matplotlib.collections import PolyCollection

@@ -46,13 +46,19 @@ def read_frames(folder: str | Path, name: str = "series") -> list[Frame]:
     # here and below: drawing libraries load only when something is drawn
     import meshio
 
+    return [frame_of(meshio.read(path), time) for time, path in series_files(folder, name)]
+
+
+def series_files(folder: str | Path, name: str = "series") -> list[tuple[float, Path]]:
+    """Times [s] of the frames of a series, rising, and their files."""
     folder = Path(folder)
-    frames = []
-    for data in xml.parse(folder / f"{name}.pvd").getroot().iter("DataSet"):
-        mesh = meshio.read(folder / data.attrib["file"])
-        time, cells = float(data.attrib["timestep"]), mesh.cells[0].data
-        frames.append(Frame(time, mesh.points, mesh.point_data["director"], cells))
-    return sorted(frames, key=lambda frame: frame.time)
+    found = xml.parse(folder / f"{name}.pvd").getroot().iter("DataSet")
+    return sorted((float(one.attrib["timestep"]), folder / one.attrib["file"]) for one in found)
+
+
+def frame_of(mesh: Any, time: float) -> Frame:
+    """Frame of a meshio.Mesh of a series."""
+    return Frame(time, mesh.points, mesh.point_data["director"], mesh.cells[0].data)
 
 
 def draw_clothed(

@@ -10,6 +10,8 @@ from shellform.fem.shell import Shell
 
 from .files import write_atomically
 
+WRINKLES = "wrinkling", "crest", "wrinkle_strain"  # cell data, those of `Wrinkling`
+
 
 class Series:
     """Frames of a moving surface: FOLDER/NAME.pvd and NAME/0000.vtu, ... for ParaView.
@@ -31,8 +33,12 @@ class Series:
         """Add the present state of a shell at a time [s] or load level.
 
         fields : further nodal values by name, (n,) or (n, 3) in the surface's numbering, on rank 0
+
+        Cells of a relaxed sheet have `wrinkling` (0 taut, 1 wrinkled, 2 slack), `crest` and
+        `wrinkle_strain`, see `Shell.wrinkling`.
         """
         positions, directors = shell.positions(), shell.directors()
+        wrinkles = shell.wrinkling() if shell.relaxed else None
         if shell.comm.rank:
             return
         # only here: runs without frames need it not, and other ranks do not either
@@ -45,7 +51,11 @@ class Series:
         part = path.with_suffix(".part.vtu")
         displacements = positions - surface.points
         data = {"displacement": displacements, "director": directors} | fields
-        meshio.Mesh(positions, [(kind, surface.cells)], point_data=data).write(part)
+        cells = {}
+        if wrinkles is not None:
+            named = zip(WRINKLES, wrinkles, strict=True)
+            cells = {name: [values] for name, values in named}
+        meshio.Mesh(positions, [(kind, surface.cells)], data, cells).write(part)
         os.replace(part, path)
         self.lines.append(
             f'    <DataSet timestep="{float(time):.9g}" file="{path.parent.name}/{path.name}"/>'

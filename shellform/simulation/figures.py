@@ -11,16 +11,18 @@ from shellform.scene.wearer import part_of, wearer_of
 
 
 def draw(out: str | Path) -> None:
-    """Pictures of a run from its files: walk.png, torque.png, walk.gif."""
+    """Pictures of a run from its files: walk.png, torque.png, walk.gif, wrinkles.png if relaxed."""
     # only here: they load matplotlib
     from shellform.pictures.skin_pressure import pressure_figure
     from shellform.pictures.walk import draw_all
+    from shellform.pictures.wrinkles import draw_walk_wrinkles
 
     out = Path(out)
     scene = read_scene(out / "scene.toml")
     wearer = wearer_of(scene)
     rows = {scene.title: mean_rows(out)}
     draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
+    draw_walk_wrinkles(out / "wrinkles.png", wearer, out, scene.title)
     if (out / "pressure.npz").is_file():
         from shellform.results.skin_pressure import load
 

@@ -58,3 +58,10 @@ def test_hinge_sleeve(names_of):
     free = names["free"]
     off = np.nanmean((free["torque"] - free["slope"]) ** 2) / np.mean(free["torque"] ** 2)
     assert off < 0.05**2  # with 20 cells around
+
+
+def test_wrinkles(names_of):
+    """In the middle crests lie as those of a long strip do."""
+    names = names_of("plot_7_wrinkles.py")
+    assert names["mean"] == pytest.approx(names["alpha"], abs=0.5)
+    assert (names["found"].state[names["inside"]] == 1).all()

@@ -134,7 +134,7 @@ def test_pictures_when_asked(walked):
     out, _, _ = walked
     assert not list(out.glob("*.png")) + list(out.glob("*.gif"))
     draw(out)
-    for name in ("walk.png", "torque.png"):
+    for name in ("walk.png", "torque.png", "wrinkles.png"):
         assert (out / name).read_bytes()[:4] == b"\x89PNG"
     assert (out / "walk.gif").read_bytes()[:3] == b"GIF"
 

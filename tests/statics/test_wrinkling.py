@@ -9,7 +9,7 @@ brute force of test_relaxed_stress.py's law.
 import numpy as np
 import pytest
 
-from demos.studies.wrinkles import exact, flat
+from demos.studies.wrinkles import beds, exact, fading, flat
 
 MESHES = {"bent": (10, 20, 40), "sheared": (4, 8, 16), "hub": (8, 16, 24)}
 
@@ -75,3 +75,23 @@ def test_hub(cells, load, stretch):
     found = flat.hub(cells, load, stretch)
     assert abs(found["off"]) <= 0.03
     assert found["radius"] == pytest.approx(found["exact radius"], rel=0.04 if cells == 8 else 0.03)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("state", ["along", "both", "bias"])
+@pytest.mark.parametrize("cells", [12, 4])
+def test_pressed_between_beds(cells, state):
+    """Cells of 10 and 30 mm bear 2 sqrt(k D) within 10 % up to 2 % of shortening."""
+    found = beds.patch(cells, state)
+    assert found["shortening"][-1] == pytest.approx(0.02)
+    assert found["load"] == pytest.approx(beds.theory(), rel=0.1)
+
+
+@pytest.mark.serial
+def test_relaxation_fades():
+    """A sheared strip whose cells show its waves: the same relaxed; coarse cells differ."""
+    fine = [fading.sheared(8, kind)["shear"] for kind in ("resolved", "relaxed")]
+    assert fine[1] == pytest.approx(fine[0], rel=0.01)
+    coarse = [fading.sheared(3, kind)["shear"] for kind in ("resolved", "relaxed")]
+    assert coarse[0] > 1.2 * fine[0]
+    assert coarse[1] == pytest.approx(fine[0], rel=0.12)

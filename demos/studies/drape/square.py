@@ -35,7 +35,7 @@ class Scene:
     Attributes
     ----------
     cells : int, along a side; pinned : bool, node 0 is held
-    bending : float [N m]; membrane : see Shell
+    bending : float [N m]; membrane, wrinkles : see Shell
     distortion : float, of the mesh, see meshes.distorted
     model : 'explicit', 'particles' or 'implicit'
     factor : float, of the largest stable step, or with 'implicit' the step [ms]
@@ -47,6 +47,7 @@ class Scene:
     pinned: bool = True
     bending: float = 9.16e-5
     membrane: str = "arcs"
+    wrinkles: str = "resolved"
     distortion: float = 0.0
     model: str = "explicit"
     factor: float = 0.9
@@ -85,7 +86,8 @@ def build(scene):
     square = meshes.rectangle(
         1.0, 1.0, (n, n), parameters=meshes.distorted((n, n), scene.distortion, seed=1)
     ).transform(translation=(-0.5, -0.5, 0.0))
-    shell = Shell(square, fabric(scene.bending), COMM, membrane=scene.membrane)
+    options = {"membrane": scene.membrane, "wrinkles": scene.wrinkles}
+    shell = Shell(square, fabric(scene.bending), COMM, **options)
     if scene.pinned:
         shell.supports.hold(np.array([0]))
     shell.loads.gravity((0.0, 0.0, -G))

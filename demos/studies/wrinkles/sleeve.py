@@ -64,6 +64,7 @@ def bend(
     angle: float = 135.0,
     windows: int = 27,
     flesh: float = FLESH,
+    friction: float = FRICTION,
     start: int = 0,
 ) -> dict[str, Any]:
     """Bend once with cells of a size [m]; `start` other than 0 gives nodes random speeds.
@@ -77,7 +78,7 @@ def bend(
     stepper = Newmark(shell, 0.9, drag=100.0)
     if start:
         stepper.v[:] += 2e-3 * np.random.default_rng(start).normal(size=stepper.v.shape)
-    contact = stepper.add(Contact(knee(angle), FRICTION, flesh_stiffness=flesh))
+    contact = stepper.add(Contact(knee(angle), friction, flesh_stiffness=flesh))
     stepper.advance(STILL)
     stepper.drag = 30.0
     contact.reset()
