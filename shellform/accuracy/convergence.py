@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 FLAT = 0.25  # an order below this is none
+LEVER = 1.5  # sizes closer than this tell no order
 
 
 @dataclass(frozen=True)
@@ -70,10 +71,10 @@ def fit(
 ) -> PowerLaw:
     """The power law of measured errors, by least squares of the logarithms.
 
-    What lies within twice its uncertainty says little and is left out, as long as two points stay;
-    else all but the finest count, whose error is that uncertainty itself. While the coarsest point
-    is the one farthest off the line, by more than a factor 1.3, it is left out as well: the power
-    does not hold there yet.
+    What lies within twice its uncertainty says little and is left out, as long as two points stay
+    that are a factor LEVER apart; else all but the finest count, whose error is that uncertainty
+    itself. While the coarsest point is the one farthest off the line, by more than a factor 1.3, it
+    is left out as well: the power does not hold there yet.
 
     Parameters
     ----------
@@ -85,7 +86,7 @@ def fit(
     known = float(doubt.max())
     seen = e > 1.2 * spread
     keep = seen & (e > 2 * doubt)
-    if keep.sum() < 2 and keep.any():
+    if keep.any() and r[keep].max() < LEVER * r[keep].min():
         keep = seen & (r > r[0])
     if keep.sum() < 2:
         # nothing but what stays anyway is seen
