@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""Torques of the study's walks by the size of the cells, and what a run of them takes.
 
-    python -m demos.studies.accuracy.walk_table out/accuracy
+    python -m demos.studies.accuracy.walk_table --out out/accuracy
 
 prints, from the walks that `run.py --case walk` has left complete in the folder, a line for each
 walk and size: root mean square and peak of the mean curve of each hip and knee, their standard
@@ -59,8 +59,8 @@ def _line(name, size, own, finest, summary):
 
 def main(given=None):
     parser = argparse.ArgumentParser(allow_abbrev=False, description="Torques by cells.")
-    parser.add_argument("folder", type=Path, help="of run.py --case walk")
-    console.say(lines(console.parse(parser, given).folder))
+    parser.add_argument("--out", type=Path, default=Path("out/accuracy"), help="of run.py")
+    console.say(lines(console.parse(parser, given).out))
 
 
 if __name__ == "__main__":
