@@ -10,7 +10,7 @@ import pytest
 import meshes
 from shellform import Shell
 from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.explicit_kernels import drift
+from shellform.dynamics.explicit_drift import drift
 from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.internal_force import InternalForce, by_segments
 from shellform.fem.lumped_mass import lumped, nodal_areas
