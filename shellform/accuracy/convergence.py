@@ -22,10 +22,12 @@ class PowerLaw:
 
     Attributes
     ----------
-    factor, order : C and p; spread : see the header
+    factor, order : C and p
+    spread : see the header
     scatter : >= 1, factor by which measured errors lie about the power
     finest, coarsest : r measured; the power is not trusted above the coarsest
     doubt : relative uncertainty of what errors were measured against
+    floor : what no cells and no runs take off, where the doubt counts as an error
     """
 
     factor: float
@@ -35,10 +37,12 @@ class PowerLaw:
     finest: float = 0.0
     coarsest: float = math.inf
     doubt: float = 0.0
+    floor: float = 0.0
 
     def error(self, ratio: float, sensitivity: float = 1.0, own: float = 0.0) -> float:
         """Relative error at r."""
-        return math.hypot(sensitivity * self.factor * ratio**self.order + own, self.spread)
+        of_cells = sensitivity * self.factor * ratio**self.order + own
+        return math.hypot(of_cells, self.spread, self.floor)
 
     def of_runs(self, runs: int) -> "PowerLaw":
         """The law of the mean of several runs from other starts."""
@@ -50,8 +54,9 @@ class PowerLaw:
         Where none does, r at which cells add no more than what stays anyway, half the finest
         measured at least.
         """
-        of_cells = math.sqrt(max((error / self.scatter) ** 2 - self.spread**2, 0.0)) - own
-        goal = of_cells if of_cells > 0 else math.hypot(self.spread, own)
+        stays = math.hypot(self.spread, self.floor)
+        of_cells = math.sqrt(max((error / self.scatter) ** 2 - stays**2, 0.0)) - own
+        goal = of_cells if of_cells > 0 else math.hypot(stays, own)
         if self.order < FLAT:
             kept = self.error(self.finest, sensitivity, own) <= error
             return (self.coarsest if kept else self.finest), kept
@@ -65,9 +70,10 @@ def fit(
 ) -> PowerLaw:
     """The power law of measured errors, by least squares of the logarithms.
 
-    What lies within twice its uncertainty says nothing and is left out. While the coarsest point is
-    the one farthest off the line, by more than a factor 1.3, it is left out as well: the power does
-    not hold there yet.
+    What lies within twice its uncertainty says little and is left out, as long as two points stay;
+    else all but the finest count, whose error is that uncertainty itself. While the coarsest point
+    is the one farthest off the line, by more than a factor 1.3, it is left out as well: the power
+    does not hold there yet.
 
     Parameters
     ----------
@@ -77,7 +83,10 @@ def fit(
     r, e = np.asarray(ratios, float)[order], np.asarray(errors, float)[order]
     doubt = np.broadcast_to(np.asarray(unsure, float), e.shape)[order]
     known = float(doubt.max())
-    keep = e > np.maximum(2 * doubt, 1.2 * spread)
+    seen = e > 1.2 * spread
+    keep = seen & (e > 2 * doubt)
+    if keep.sum() < 2 and keep.any():
+        keep = seen & (r > r[0])
     if keep.sum() < 2:
         # nothing but what stays anyway is seen
         level = math.sqrt(max(np.mean(e**2) - spread**2, 1e-30))

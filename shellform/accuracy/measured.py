@@ -14,6 +14,7 @@ import csv
 import math
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -60,9 +61,9 @@ def power_laws(
             ratios, errors, unsure = (
                 [row[k] for row in rows] for k in ("ratio", "error", "uncertainty")
             )
-            family[quantity] = fit(
-                ratios, errors, unsure, own.get((name, quantity), spread.get(quantity, 0.0))
-            )
+            law = fit(ratios, errors, unsure, own.get((name, quantity), spread.get(quantity, 0.0)))
+            # an ensemble in finer cells is no exact value: how it is known counts as an error
+            family[quantity] = replace(law, floor=law.doubt) if case == "walk" else law
     return found
 
 

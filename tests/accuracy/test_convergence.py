@@ -37,6 +37,9 @@ def test_fit_leaves_out_what_says_nothing():
     assert fit(RATIOS, errors + [0.01, 0, 0, 0], [0.008, 0, 0, 0]).order == pytest.approx(2.0)
     law = fit([*RATIOS, 1.6], [*errors, 10 * 0.3 * 1.6**2])
     assert law.order == pytest.approx(2.0) and law.coarsest == 0.8
+    # one point well above what is known: those within it count, but for the finest
+    law = fit(RATIOS, 0.3 * RATIOS**2, 0.03)
+    assert law.order == pytest.approx(2.0) and law.factor == pytest.approx(0.3)
     # scattered points show no order, and none is told
     flat = fit(RATIOS, [0.1, 0.12, 0.09, 0.1], spread=0.05)
     assert flat.order == 0.0
@@ -51,6 +54,16 @@ def test_a_law_is_inverted():
     spread = PowerLaw(0.3, 2.0, spread=0.05, finest=0.01, coarsest=10.0)
     ratio, kept = spread.ratio(0.03)
     assert not kept and spread.error(ratio) == pytest.approx(0.05 * np.sqrt(2))
+
+
+def test_a_floor_stays():
+    """What the reference is known to is left by any cells and any runs."""
+    law = PowerLaw(0.3, 2.0, spread=0.02, finest=0.01, coarsest=10.0, floor=0.03)
+    assert law.error(1e-9) == pytest.approx(np.hypot(0.02, 0.03))
+    assert law.of_runs(10**8).error(1e-9) == pytest.approx(0.03, rel=1e-6)
+    ratio, kept = law.ratio(0.05)
+    assert kept and law.error(ratio) == pytest.approx(0.05)
+    assert not law.of_runs(10**8).ratio(0.03)[1]
 
 
 def test_richardson_is_exact_for_a_power():

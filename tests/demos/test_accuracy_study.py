@@ -146,7 +146,7 @@ def test_a_budget_for_nothing_is_told(tmp_path, monkeypatch):
 def test_the_tables_of_the_readme_come_from_the_table():
     """Every scene has a line; the cheapest of those that keep the error stands in it."""
     table = meshes()
-    assert len(table) == 2 + len(LEADING)
+    assert len(table) == 2 + len(LEADING) + 1  # walks in stiff cloth have a line of their own
     rows = [
         row
         for row in measured.read()

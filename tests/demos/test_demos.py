@@ -148,6 +148,18 @@ def test_drape(ranks, model, tmp_path):
     assert (tmp_path / "drape.gif").read_bytes()[:3] == b"GIF"
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_relaxed_drape_shows_its_wrinkles(ranks, tmp_path):
+    short = ("--cells", 8, "--seconds", 0.3, "--frames", 4, "--wrinkles", "relaxed")
+    done = run("demos/drape.py", *short, "--out", tmp_path, ranks=ranks)
+    assert done.returncode == 0, done.stderr
+    assert "wrinkles.png" in done.stdout
+    assert (tmp_path / "wrinkles.png").read_bytes()[:4] == b"\x89PNG"
+    assert json.loads((tmp_path / "summary.json").read_text())["plan"]["wrinkles"] == "relaxed"
+    refused = run("demos/drape.py", *short, "--membrane", "chords", "--out", tmp_path, ranks=ranks)
+    assert refused.returncode != 0 and "wrinkles='relaxed' goes with" in refused.stderr
+
+
 def test_drape_refuses_a_step_beyond_the_stable_one(tmp_path):
     done = run("demos/drape.py", "--cells", 4, "--time-step-factor", 1.5, "--out", tmp_path)
     assert done.returncode == 2

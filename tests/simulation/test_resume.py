@@ -107,6 +107,12 @@ def test_killed_run_goes_on(walked, killed, tmp_path):
     assert "unasked: []" in done.stdout
     assert "right_knee" in done.stdout and not list(out.glob("*.png"))
     same_as_uninterrupted(out, walked[0])
+    # on one rank bit for bit, of a sheet that wrinkles
+    assert json.loads((out / "summary.json").read_text())["plan"]["wrinkles"] == "relaxed"
+    frames = sorted(path.relative_to(out) for path in out.glob("series/*.vtu"))
+    assert len(frames) > 2
+    for name in ("torque.csv", *frames):
+        assert (out / name).read_bytes() == (walked[0] / name).read_bytes(), name
 
 
 @needs_mpirun

@@ -118,7 +118,8 @@ def neighbours(cells):
 
 def bent(settings):
     """A sleeve on a bending knee; course of the torque, mean strain energy."""
-    given = {"friction": [0.0], "angle": 20.0, "period": 0.3, "cycles": 1, "radius": 0.06}
+    given = {"friction": [0.0], "angle": hinge_sleeve.MEASURED_AT, "period": 0.3, "cycles": 1}
+    given |= {"radius": 0.06}
     given |= {"time_step_factor": 0.9, "rotary_scale": hinge_sleeve.ROTARY_SCALE}
     given |= {"mass_scale": 1.0}
     given |= {key: value for key, value in settings.items() if key in (*given, "around")}

@@ -134,9 +134,9 @@ def lines(rows: list[Reached]) -> list[str]:
     mean = np.sqrt(np.mean(np.square(ratios)))
     return [
         *said,
-        f"{percent(asked)} kept by {kept} of {len(rows)}; reached at most {WITHIN:g} times what "
-        f"was predicted by {over}, within a factor {WITHIN:g} both ways by {near}; root mean square of "
-        f"reached/predicted {mean:.2f}",
+        f"{percent(asked)} kept by {kept} of {len(rows)}; reached at most {WITHIN:g} times "
+        f"what was predicted by {over}, within a factor {WITHIN:g} both ways by {near}; root "
+        f"mean square of reached/predicted {mean:.2f}",
     ]
 
 
