@@ -22,7 +22,7 @@ from shellform.errors import Unstable
 from shellform.fem.lumped_mass import ROTARY_SCALE
 from shellform.fem.shell import Shell
 
-from . import explicit_kernels
+from . import explicit_drift, explicit_kernels
 from .books import DAMPING, EXTERNAL, INTERNAL, WORKS, Books
 from .explicit_kernels import NODE, Forces
 from .explicit_supports import conditions, follow
@@ -169,7 +169,6 @@ class Newmark(Stepper):
     def step(self, dt: float) -> None:
         """One step of length dt [s]."""
         clock = self.clock
-        np.copyto(self.v_old, self.v)
         kicked = 0.5 * (clock.last_dt + dt)
         self.kick(kicked, dt)
         for part in self.parts:
@@ -179,7 +178,7 @@ class Newmark(Stepper):
                 self.fault = str(fault)  # other ranks learn of it at the next `check`
         self._book(kicked)
         clock.last_kick = kicked
-        self.moved_sum = explicit_kernels.drift(self.owned, self.v, self.q, dt)
+        self.moved_sum = explicit_drift.drift(self.owned, self.v, self.q, dt)
         self.scatter()
         clock.last_dt, clock.time, clock.steps = dt, clock.time + dt, clock.steps + 1
         if clock.steps % self.recheck == 0:
@@ -205,20 +204,24 @@ class Newmark(Stepper):
 
     def kick(self, kicked: float, dt: float) -> None:
         """Velocities by the forces acting for `kicked` [s], then the supports; dt [s], the step."""
-        self.forces = self._push(self.v, self.q, kicked, self.support_impulse, self.books)
-        np.copyto(self._free, self.v)
+        self.forces = self._push(
+            self.v, self.q, self.v_old, self._free, kicked, self.support_impulse, self.books
+        )
         if self.shell.supports.motions:
             follow(self, dt, kicked, self.forces)
             if not self.force_model.turns_directors:
                 self.q[:] = 0.0
 
-    def _push(self, v, q, dt, impulse, books):
-        """Change velocities v, q by the present forces acting for dt [s]; returns the forces."""
+    def _push(self, v, q, v_old, free, dt, impulse, books):
+        """Change velocities v, q by the present forces acting for dt [s]; returns the forces.
+
+        v_old, free : filled with v before and after
+        """
         r = self.internal_force()
         turning = self._add_moments(r, q)
         forces = Forces(r, self.external.update(self), impulse)
         explicit_kernels.kick(
-            v, q, *forces, self._directors, self.nodes, self.drag, dt, books.works
+            v, q, v_old, free, *forces, self._directors, self.nodes, self.drag, dt, books.works
         )
         if turning:
             _book_moments(*turning, q, dt, books.works)
@@ -257,8 +260,9 @@ class Newmark(Stepper):
         """Velocities and works (5,) at the present time: half a kick further."""
         v, q = self.v.copy(), self.q.copy()
         books, dt = Books(self.books.works.copy(), np.zeros((3, 3))), 0.5 * self.clock.last_dt
-        forces = self._push(v, q, dt, np.empty_like(v), books)
-        explicit_kernels.book(self.v, v, v, *forces, self.nodes, self.drag, dt, *books)
+        v_old, free, impulse = np.empty((3, *v.shape))
+        forces = self._push(v, q, v_old, free, dt, impulse, books)
+        explicit_kernels.book(v_old, free, v, *forces, self.nodes, self.drag, dt, *books)
         books.works[DAMPING] += self.force_model.damping_loss(self.v, v, dt, self.clock.last_kick)
         return v, q, books.works
 

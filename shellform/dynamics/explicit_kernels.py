@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Nodal kernels of the explicit Newmark step (beta = 0, gamma = 1/2): Sec. 3.1.3.
 
-Velocities live at half steps. A kick adds the impulse of the forces to them, a drift moves the
-nodes by them: positions along straight lines, directors along great circles with their velocity
-carried parallel. Both conserve momentum and angular momentum exactly.
+Velocities live at half steps. A kick adds the impulse of the forces to them, the drift of
+explicit_drift.py moves the nodes by them. Both conserve momentum and angular momentum exactly.
 
 Kernels work in place on arrays of the nodes of one rank.
 """
@@ -13,9 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.kernel import kernel
-
-NEAR = 0.01  # of an angle squared: the first term left out of the series is below 1e-20
-
 
 # one record per node: what steps do not change
 NODE = np.dtype(
@@ -45,6 +41,8 @@ class Forces(NamedTuple):
 def kick(
     v: np.ndarray,
     q: np.ndarray,
+    v_old: np.ndarray,
+    free: np.ndarray,
     r: np.ndarray,
     force: np.ndarray,
     impulse: np.ndarray,
@@ -62,6 +60,7 @@ def kick(
     Parameters
     ----------
     v, q : (n, 3), velocities of nodes [m/s] and directors [1/s], changed
+    v_old, free : (n, 3) [m/s], filled: v before and after
     r, force, impulse : see Forces; the last is overwritten
     d : (n, 3), directors
     nodes : (n,) NODE
@@ -71,30 +70,35 @@ def kick(
     """
     keep = (1.0 - 0.5 * dt * drag) / (1.0 + 0.5 * dt * drag)
     gain = dt / (1.0 + 0.5 * dt * drag)
-    inner = slowed = 0.0  # sums in registers
+    # sums in registers, a node at a time: each addition waits for the one before it
+    inner = slowed = 0.0
     for i in range(v.shape[0]):
         node = nodes[i]
         by_mass, by_inertia = gain / node.mass, gain / node.inertia
         along = r[i, 3] * d[i, 0] + r[i, 4] * d[i, 1] + r[i, 5] * d[i, 2]
-        out = 0.0
+        out = turned = swept = 0.0
         for k in range(3):
             out += (r[i, 3 + k] - along * d[i, k]) * node.plane[k]
         for k in range(3):
+            before = after = v[i, k]
             if node.held[k]:
                 impulse[i, k] = dt * (r[i, k] - force[i, k])
             else:
                 impulse[i, k] = 0.0
-                v[i, k] = keep * v[i, k] + by_mass * (force[i, k] - r[i, k])
+                after = keep * before + by_mass * (force[i, k] - r[i, k])
+            v[i, k] = free[i, k] = after
+            v_old[i, k] = before
             if not node.held[3]:
                 turn = r[i, 3 + k] - along * d[i, k] - out * node.plane[k]
                 old = q[i, k]
                 new = keep * old - by_inertia * turn
                 q[i, k] = new
-                mean = 0.5 * dt * (old + new)
-                inner -= turn * mean
-                slowed += drag * node.inertia * mean * 0.5 * (old + new)
-    work[0] += inner
-    work[2] += slowed
+                turned += turn * (old + new)
+                swept += (old + new) * (old + new)
+        inner += turned
+        slowed += node.inertia * swept
+    work[0] -= 0.5 * dt * inner
+    work[2] += 0.25 * dt * drag * slowed
 
 
 @kernel
@@ -124,27 +128,32 @@ def book(
     work (5,), totals (3, 3) : works and impulses, see Books; added to
     """
     inner = outer = lost = guided = 0.0
-    for k in range(3):
-        # over the nodes first: added to the totals one by one, each would be rounded as they are
-        loads = supports = still = 0.0
-        for i in range(v.shape[0]):
-            mean = 0.5 * (v_old[i, k] + v[i, k])
-            inner -= r[i, k] * dt * mean
-            outer += force[i, k] * dt * mean
-            guided += impulse[i, k] * mean
-            loads += force[i, k] * dt
-            supports += impulse[i, k]
-            if drag > 0.0 and not nodes[i].held[k]:
-                slowed = drag * nodes[i].mass * dt * 0.5 * (v_old[i, k] + free[i, k])
-                lost += slowed * mean
-                still -= slowed
-        totals[0, k] += loads
-        totals[1, k] += supports
-        totals[2, k] += still
-    work[0] += inner
-    work[1] += outer
-    work[2] += lost
-    work[3] += guided
+    # over the nodes first: added to the totals one by one, each would be rounded as they are; one
+    # sum a component, as sums that wait for each other take three times as long
+    f0 = f1 = f2 = p0 = p1 = p2 = d0 = d1 = d2 = 0.0
+    for i in range(v.shape[0]):
+        w0, w1, w2 = v_old[i, 0] + v[i, 0], v_old[i, 1] + v[i, 1], v_old[i, 2] + v[i, 2]
+        inner += r[i, 0] * w0 + r[i, 1] * w1 + r[i, 2] * w2
+        outer += force[i, 0] * w0 + force[i, 1] * w1 + force[i, 2] * w2
+        guided += impulse[i, 0] * w0 + impulse[i, 1] * w1 + impulse[i, 2] * w2
+        f0, f1, f2 = f0 + force[i, 0], f1 + force[i, 1], f2 + force[i, 2]
+        p0, p1, p2 = p0 + impulse[i, 0], p1 + impulse[i, 1], p2 + impulse[i, 2]
+        if drag > 0.0:
+            node = nodes[i]
+            s0 = 0.0 if node.held[0] else node.mass * (v_old[i, 0] + free[i, 0])
+            s1 = 0.0 if node.held[1] else node.mass * (v_old[i, 1] + free[i, 1])
+            s2 = 0.0 if node.held[2] else node.mass * (v_old[i, 2] + free[i, 2])
+            lost += s0 * w0 + s1 * w1 + s2 * w2
+            d0, d1, d2 = d0 + s0, d1 + s1, d2 + s2
+    slowing = 0.5 * drag * dt
+    for k, load, support, still in ((0, f0, p0, d0), (1, f1, p1, d1), (2, f2, p2, d2)):
+        totals[0, k] += dt * load
+        totals[1, k] += support
+        totals[2, k] -= slowing * still
+    work[0] -= 0.5 * dt * inner
+    work[1] += 0.5 * dt * outer
+    work[2] += 0.5 * slowing * lost
+    work[3] += 0.5 * guided
 
 
 @kernel
@@ -155,59 +164,6 @@ def work_over(force: np.ndarray, v_old: np.ndarray, v: np.ndarray, dt: float) ->
         for k in range(3):
             work += force[i, k] * 0.5 * dt * (v_old[i, k] + v[i, k])
     return work
-
-
-@kernel
-def near_cosine(square: float) -> float:
-    """Cosine of an angle whose square is below NEAR: the series, to roundoff."""
-    x = square  # Horner's scheme; products, as quotients take ten times as long
-    return 1.0 - x * (1 / 2) * (
-        1.0 - x * (1 / 12) * (1.0 - x * (1 / 30) * (1.0 - x * (1 / 56) * (1.0 - x * (1 / 90))))
-    )
-
-
-@kernel
-def near_sine(square: float) -> float:
-    """Sine of an angle over the angle, whose square is below NEAR: the series, to roundoff."""
-    x = square
-    return 1.0 - x * (1 / 6) * (
-        1.0 - x * (1 / 20) * (1.0 - x * (1 / 42) * (1.0 - x * (1 / 72) * (1.0 - x * (1 / 110))))
-    )
-
-
-@kernel
-def drift(w: np.ndarray, v: np.ndarray, q: np.ndarray, dt: float) -> float:
-    """Move nodes and directors by their velocities over dt.
-
-    w : (n, 6), (u, d), changed; v : (n, 3); q : (n, 3), changed: carried along. Returns the sum of
-    all moved coordinates: not finite if any of them is not.
-    """
-    total = 0.0
-    for i in range(w.shape[0]):
-        along = q[i, 0] * w[i, 3] + q[i, 1] * w[i, 4] + q[i, 2] * w[i, 5]
-        square = 0.0
-        for k in range(3):
-            w[i, k] += dt * v[i, k]
-            total += w[i, k]
-            q[i, k] -= along * w[i, 3 + k]
-            square += q[i, k] * q[i, k]
-        angle = square * dt * dt
-        if angle < NEAR:  # to roundoff; a step turns a director by far less
-            c, s = near_cosine(angle), near_sine(angle)
-        else:
-            angle = np.sqrt(angle)
-            c, s = np.cos(angle), np.sin(angle) / angle
-        length = 0.0
-        for k in range(3):
-            d, turn = w[i, 3 + k], q[i, k]
-            w[i, 3 + k] = c * d + s * dt * turn
-            q[i, k] = c * turn - s * dt * square * d
-            length += w[i, 3 + k] * w[i, 3 + k]
-        length = 1.0 / np.sqrt(length)
-        for k in range(3):
-            w[i, 3 + k] *= length
-            total += w[i, 3 + k]
-    return total
 
 
 @kernel

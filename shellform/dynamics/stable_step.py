@@ -12,6 +12,8 @@ from mpi4py import MPI
 
 import numpy as np
 
+from contact.kernel import kernel
+
 SPARE = 0.97  # of the step that the last Ritz value allows
 
 
@@ -29,46 +31,80 @@ def stable_step(stepper: Any, iterations: int = 30) -> float:
     return SPARE * float(np.sqrt(tau**2 + 4 / value) - tau)
 
 
+@kernel
+def scaled(y: np.ndarray, root: np.ndarray, cell: float, out: np.ndarray) -> float:
+    """Fill out (n, 6) with y / root; returns its largest entry, of displacements over `cell`."""
+    place = turn = 0.0
+    for i in range(len(y)):
+        for k in range(3):
+            out[i, k] = y[i, k] / root[i, k]
+            out[i, 3 + k] = y[i, 3 + k] / root[i, 3 + k]
+            place, turn = max(place, abs(out[i, k])), max(turn, abs(out[i, 3 + k]))
+    return max(place / cell, turn)
+
+
+@kernel
+def stiffen(z: np.ndarray, y: np.ndarray, pull: np.ndarray) -> None:
+    """Take off z (n, 6) what a pull (n,) along directors does as y (n, 6) turns them."""
+    for i in range(len(z)):
+        for k in range(3, 6):
+            z[i, k] -= pull[i] * y[i, k]
+
+
+@kernel
+def admit(y: np.ndarray, d: np.ndarray, held: np.ndarray, plane: np.ndarray) -> None:
+    """Take off y (n, 6) what supports hold and what would stretch directors d (n, 3).
+
+    held : (n, 4), plane : (n, 3), see NODE in explicit_kernels.py
+    """
+    for i in range(len(y)):
+        for k in range(3):
+            y[i, k] = 0.0 if held[i, k] else y[i, k]
+            y[i, 3 + k] = 0.0 if held[i, 3] else y[i, 3 + k]
+        for normal in (d, plane):
+            along = y[i, 3] * normal[i, 0] + (y[i, 4] * normal[i, 1] + y[i, 5] * normal[i, 2])
+            for k in range(3):
+                y[i, 3 + k] -= along * normal[i, k]
+
+
 def largest_eigenvalue(stepper: Any, iterations: int) -> float:
     """Largest eigenvalue omega^2 [1/s^2] of M^-1 K on what supports leave free, from below."""
     comm, w, owned = stepper.shell.comm, stepper.w, stepper.owned
-    held, plane, model = stepper.held, stepper.nodes["plane"], stepper.force_model
+    held, plane, model = stepper.held, stepper.nodes["plane"].copy(), stepper.force_model
     frozen = model.freeze(w)
     root = np.sqrt(np.repeat(np.column_stack([stepper.mass, stepper.inertia]), 3, axis=1))
     cell = stepper.shell.surface.mean_cell_size
     base, d = owned.copy(), owned[:, 3:].copy()
     r = model.elastic(w, frozen).copy()
-    pull = np.sum(r[:, 3:] * d, axis=1, keepdims=True)
+    pull = np.sum(r[:, 3:] * d, axis=1)
+    moved = np.empty_like(base)
 
-    def admissible(y):
-        y[:, :3][held[:, :3]] = 0.0
-        y[:, 3:][held[:, 3]] = 0.0
-        y[:, 3:] -= np.sum(y[:, 3:] * d, axis=1, keepdims=True) * d
-        y[:, 3:] -= np.sum(y[:, 3:] * plane, axis=1, keepdims=True) * plane
-        return y
+    def over_ranks(number, operation=MPI.SUM):
+        # mpi4py takes longer to hand a number to itself than a small sheet does for a product
+        return number if comm.size == 1 else comm.allreduce(number, operation)
 
     def dot(a, b):
-        return comm.allreduce(float(np.vdot(a, b)))
+        return over_ranks(float(np.vdot(a, b)))
 
     def product(y):
-        y = y / root
-        size = comm.allreduce(
-            max(np.abs(y[:, :3]).max(initial=0.0) / cell, np.abs(y[:, 3:]).max(initial=0.0)),
-            MPI.MAX,
-        )
+        size = over_ranks(scaled(y, root, cell, moved), MPI.MAX)
         h = 1e-6 / size
         sides = []
         for sign in (1, -1):
-            owned[:] = base + sign * h * y
+            owned[:] = base + sign * h * moved
             stepper.scatter()
             sides.append(model.elastic(w, frozen).copy())
-        z = (sides[0] - sides[1]) / (2 * h)
-        z[:, 3:] -= pull * y[:, 3:]
-        return admissible(z) / root
+        z = np.subtract(*sides)
+        z /= 2 * h
+        stiffen(z, moved, pull)
+        admit(z, d, held, plane)
+        z /= root
+        return z
 
     # the same start on any number of ranks
     whole = np.random.default_rng(0).standard_normal((len(stepper.shell.surface.points), 6))
-    y = admissible(whole[stepper.shell.partition.owned_nodes])
+    y = whole[stepper.shell.partition.owned_nodes]
+    admit(y, d, held, plane)
     y /= np.sqrt(dot(y, y))
     previous, beta, alphas, betas = np.zeros_like(y), 0.0, [], []
     for _ in range(iterations):

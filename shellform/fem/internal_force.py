@@ -43,7 +43,9 @@ class InternalForce:
     def __init__(self, shell: Shell, damped: bool = False):
         self.shell, self.damped, self.loss = shell, damped, 0.0
         self._result = Function(shell.space)
-        self.r = self._result.x.array.reshape(-1, 6)
+        # views of its memory, which stays where it is; dolfinx makes a new one at each `x.array`
+        self._flat = self._result.x.array
+        self.r = self._flat.reshape(-1, 6)
         self._parallel = shell.comm.size > 1
         self.quads: QuadForce | None = None
         self._packed: list[tuple] = []
@@ -138,11 +140,10 @@ class InternalForce:
         if self._pressure is not None:
             self._pressure.value = pressure
             self._packed[-1][0][:] = pack_constants(self._forms[-1])
-        flat = self._result.x.array
-        flat[:] = 0.0
-        w = w.reshape(-1, 6)
+        flat = self._flat
+        flat.fill(0.0)
         damped = self.damped and ahead is not None
-        ahead = w if ahead is None or not damped else ahead.reshape(-1, 6)
+        w, ahead = nodal(w), nodal(w if ahead is None or not damped else ahead)
         if self.quads is not None:
             self.loss = self.quads(w, self.r, ahead if damped else None, *self._cells_give, frozen)
         if self._forms:
@@ -180,7 +181,12 @@ class InternalForce:
         load, arcs = self._cells_give
         if self.quads is None or load is None or arcs is None:
             return None
-        return self.quads.freeze(w.reshape(-1, 6), load, arcs)
+        return self.quads.freeze(nodal(w), load, arcs)
+
+
+def nodal(field: np.ndarray) -> np.ndarray:
+    """A field (6 n,) or (n, 6) as (n, 6): the array itself where it is so, see QuadForce."""
+    return field if field.ndim == 2 else field.reshape(-1, 6)
 
 
 def by_segments(shell: Shell) -> bool:

@@ -27,6 +27,8 @@ double add_forces(ptrdiff_t count, const int *nodes, const double *points, const
                   const double *cost, const double *arcs, double *frozen, int freeze, double *r);
 """
 ALIGNED = 64  # bytes, of the largest vector
+GIVEN = "w", "ahead", "cost", "arcs", "frozen"  # arguments of add_forces, in its order
+FIELDS = "w", "ahead"
 
 
 class QuadForce:
@@ -67,6 +69,8 @@ class QuadForce:
         padded = np.concatenate([cells, np.repeat(cells[-1:], -len(cells) % width, axis=0)])
         blocks = padded.reshape(-1, width, 4).transpose(0, 2, 1)
         self._none = self._ffi.NULL
+        # by name of an argument: the array last given, and the pointer to it
+        self._known: dict[str, tuple] = dict.fromkeys((*GIVEN, "r"), (None, self._none))
         arrays = [
             np.ascontiguousarray(blocks, np.int32),
             np.ascontiguousarray(points, float),
@@ -75,7 +79,8 @@ class QuadForce:
         self.nbytes = sum(array.nbytes for array in arrays)
         kinds = ["int[]", *["double[]"] * 2]
         self._fixed = [self._ffi.from_buffer(k, a) for k, a in zip(kinds, arrays, strict=True)]
-        self._fixed.append(self._pointer(table(fabric.membrane)) if relaxed else self._none)
+        fibres = np.ascontiguousarray(table(fabric.membrane), float) if relaxed else None
+        self._fixed.append(self._ffi.from_buffer("double[]", fibres) if relaxed else self._none)
 
     def __call__(
         self,
@@ -110,17 +115,32 @@ class QuadForce:
     def _add(self, w, r, ahead, cost, arcs, frozen, freeze):
         if self.relaxed and not len(cost) == len(arcs) == self.count:
             raise ValueError(f"cost and arcs of {self.count} cells, not {len(cost)}, {len(arcs)}")
-        given = [self._pointer(w, self.nodes), self._pointer(ahead, self.nodes)]
-        given += [self._pointer(a) for a in (cost, arcs, frozen)]
-        to = self._ffi.from_buffer("double[]", r, require_writable=True)
-        return self._library.add_forces(self.count, *self._fixed, *given, freeze, to)
+        given = map(self._pointer, GIVEN, (w, ahead, cost, arcs, frozen))
+        return self._library.add_forces(
+            self.count, *self._fixed, *given, freeze, self._pointer("r", r)
+        )
 
-    def _pointer(self, array, nodes=None):
+    def _pointer(self, name, array):
         if array is None:
             return self._none
-        if nodes is not None and array.shape != (nodes, 6):
-            raise ValueError(f"fields of {nodes} nodes are ({nodes}, 6), not {array.shape}")
-        return self._ffi.from_buffer("double[]", np.ascontiguousarray(array, float))
+        # a step hands over the arrays of the last one; what cffi points to can be neither freed
+        # nor resized
+        known, pointer = self._known[name]
+        if array is known:
+            return pointer
+        if name in FIELDS and array.shape != (self.nodes, 6):
+            raise ValueError(
+                f"fields of {self.nodes} nodes are ({self.nodes}, 6), not {array.shape}"
+            )
+        if name == "r":
+            pointer = self._ffi.from_buffer("double[]", array, require_writable=True)
+        else:
+            given = np.ascontiguousarray(array, float)
+            pointer = self._ffi.from_buffer("double[]", given)
+            if given is not array:  # a copy, which does not follow the array
+                return pointer
+        self._known[name] = array, pointer
+        return pointer
 
 
 def relaxed_stress(membrane: np.ndarray, strain: np.ndarray, cost: np.ndarray) -> np.ndarray:

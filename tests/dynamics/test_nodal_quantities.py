@@ -10,7 +10,7 @@ import pytest
 import meshes
 from shellform import Shell
 from shellform.dynamics.explicit import Newmark
-from shellform.dynamics.explicit_kernels import drift
+from shellform.dynamics.explicit_drift import drift
 from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.internal_force import InternalForce, by_segments
 from shellform.fem.lumped_mass import lumped, nodal_areas
@@ -77,13 +77,31 @@ def test_directors_on_a_symmetry_plane_start_in_it():
     assert sum(shell.energy().values()) == 0.0
 
 
-def test_directors_turn_by_the_angle_of_their_speed():
-    """Both sides of where the series of sine and cosine ends, and a director at rest."""
-    angles = np.array([0.0, 1e-9, 1e-3, 0.0999, 0.1001, 1.0])
-    w, q = np.zeros((6, 6)), np.zeros((6, 3))
-    w[:, 3], q[:, 1] = 1.0, angles / 1e-4
-    drift(w, np.zeros((6, 3)), q, 1e-4)
+@pytest.mark.parametrize("angles", [[0.0, 1e-9, 1e-3, 0.0999, 0.1001, 1.0], [0.0, 1e-9, 0.099]])
+def test_directors_turn_by_the_angle_of_their_speed(angles):
+    """Both sides of where the series of sine and cosine ends, and a director at rest.
+
+    With the small turns alone the series serves all nodes.
+    """
+    angles = np.array(angles)
+    w, v, q = np.zeros((len(angles), 6)), np.zeros((len(angles), 3)), np.zeros((len(angles), 3))
+    w[:, 3], q[:, 1], v[:, 2] = 1.0, angles / 1e-4, 1.0
+    assert drift(w, v, q, 1e-4) == pytest.approx(w.sum(), rel=1e-14)
+    assert np.array_equal(w[:, :3], np.outer(np.ones(len(angles)), [0.0, 0.0, 1e-4]))
     turned = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
     along = np.stack([-np.sin(angles), np.cos(angles), 0 * angles], axis=1)
     assert np.abs(w[:, 3:] - turned).max() < 4e-16
     assert np.abs(q - angles[:, None] / 1e-4 * along).max() < 4e-16 / 1e-4
+
+
+@pytest.mark.parametrize("speed", [1.0, 5e3])
+def test_what_leaves_the_finite_numbers_is_seen(speed):
+    """By the sum that a drift returns, whether turns are small or large, and of what it is."""
+    rng = np.random.default_rng(0)
+    for array, at in ((0, (4, 1)), (0, (4, 5)), (1, (7, 0)), (2, (9, 2))):
+        for bad in (np.nan, np.inf):
+            w, v = rng.standard_normal((11, 6)), rng.standard_normal((11, 3))
+            q = speed * rng.standard_normal((11, 3))
+            w[:, 3:] /= np.linalg.norm(w[:, 3:], axis=1, keepdims=True)
+            (w, v, q)[array][at] = bad
+            assert not np.isfinite(drift(w, v, q, 1e-4))

@@ -8,6 +8,7 @@ import pytest
 
 from shellform import Shell
 from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.stable_step import admit, scaled, stiffen
 from shellform.errors import Unstable
 from tests.dynamics.test_explicit import FABRICS, sheet
 
@@ -70,3 +71,26 @@ def test_a_long_run_at_the_stable_step_does_not_grow(name):
     assert newmark.steps >= 99_990
     assert max(size[5:]) < 3 * max(size[:5])
     assert max(size) < 1e-4
+
+
+def test_kernels_do_what_matrices_do():
+    """Against projections written as matrices, node by node."""
+    rng, n = np.random.default_rng(1), 7
+    y, d, root = (rng.standard_normal((n, k)) for k in (6, 3, 6))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    held, plane, pull = rng.random((n, 4)) < 0.3, np.zeros((n, 3)), rng.standard_normal(n)
+    plane[::2] = np.cross(d[::2], [0.0, 0.0, 1.0])
+    plane[::2] /= np.linalg.norm(plane[::2], axis=1, keepdims=True)
+    moved = np.empty_like(y)
+    size = scaled(y, root, 0.1, moved)
+    assert np.array_equal(moved, y / root)
+    assert size == max(np.abs(moved[:, :3]).max() / 0.1, np.abs(moved[:, 3:]).max())
+    found = y.copy()
+    stiffen(found, moved, pull)
+    admit(found, d, held, plane)
+    for i in range(n):
+        free = np.diag([*~held[i, :3], *[not held[i, 3]] * 3]).astype(float)
+        for normal in (d[i], plane[i]):
+            free[3:, 3:] = (np.eye(3) - np.outer(normal, normal)) @ free[3:, 3:]
+        pulled = np.diag([0.0, 0, 0, *[pull[i]] * 3])
+        assert np.abs(found[i] - free @ (y[i] - pulled @ moved[i])).max() < 1e-13

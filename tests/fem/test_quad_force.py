@@ -65,6 +65,19 @@ def test_damping_is_that_of_the_strain_rates():
     assert np.vdot(viscous, others) == pytest.approx(np.vdot(other, rates), rel=1e-9)
 
 
+@pytest.mark.parametrize("layout", [np.ascontiguousarray, np.asfortranarray])
+def test_arrays_given_again_are_read_anew(layout):
+    """The arrays of the last call, changed in place, copied where they must be, and others."""
+    sheet = *curved(), WOVEN
+    quads, w, r = QuadForce(*sheet), layout(bent(*sheet[:2])), np.zeros((len(sheet[0]), 6))
+    for seed in range(3):
+        w[:], r[:] = bent(*sheet[:2], seed=seed), 0.0
+        quads(w, r)
+        other = w.copy()
+        assert np.array_equal(r, force(sheet, other)[0])
+        assert np.array_equal(r, force(quads, other)[0])
+
+
 def test_rigid_motion_gives_no_force():
     points, directors, cells, warp = curved()
     sheet = points, directors, cells, warp, WOVEN

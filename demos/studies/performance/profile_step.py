@@ -25,7 +25,7 @@ from demos.studies.drape.square import Scene as Drape
 from demos.studies.drape.square import build
 from shellform.console import parse, positive, run
 from shellform.contact_coupling.explicit_contact import ExplicitContact
-from shellform.dynamics import explicit_kernels
+from shellform.dynamics import explicit_drift, explicit_kernels
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.external_force import ExternalForce
 from shellform.dynamics.time_stepper import Stepper
@@ -42,7 +42,10 @@ GAP = 0.05  # between sheet and sphere there [m]
 PARTS = {  # part -> what is timed: (owner, name)
     "internal force": [(InternalForce, "__call__")],
     "contact": [(ExplicitContact, "__call__")],
-    "nodal kernels": [(explicit_kernels, name) for name in ("kick", "book", "drift", "ahead")],
+    "nodal kernels": [
+        *((explicit_kernels, name) for name in ("kick", "book", "ahead")),
+        (explicit_drift, "drift"),
+    ],
     "loads, belt": [(ExternalForce, "update")],
     "torque, pressure": [(Torque, "__call__"), (Pressure, "__call__")],
     "exchange among ranks": [(Stepper, "scatter")],
