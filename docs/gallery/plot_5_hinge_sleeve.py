@@ -25,7 +25,7 @@ import numpy as np
 # ------------------------------------------
 # In the first cycle with friction some energy stays in the sleeve; the second one closes.
 
-settings = ["--around", "20", "--period", "0.2"]
+settings = ["--around", "40", "--period", "0.2"]
 free = demo.cycles(demo.arguments([*settings, "--cycles", "1"]), 0.0)
 rough = demo.cycles(demo.arguments([*settings, "--cycles", "2"]), 0.2)
 
