@@ -62,7 +62,7 @@ def admit(y: np.ndarray, d: np.ndarray, held: np.ndarray, plane: np.ndarray) -> 
             y[i, k] = 0.0 if held[i, k] else y[i, k]
             y[i, 3 + k] = 0.0 if held[i, 3] else y[i, 3 + k]
         for normal in (d, plane):
-            along = y[i, 3] * normal[i, 0] + (y[i, 4] * normal[i, 1] + y[i, 5] * normal[i, 2])
+            along = y[i, 3] * normal[i, 0] + y[i, 4] * normal[i, 1] + y[i, 5] * normal[i, 2]
             for k in range(3):
                 y[i, 3 + k] -= along * normal[i, k]
 
