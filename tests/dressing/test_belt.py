@@ -150,7 +150,7 @@ def test_work_of_a_belt_is_tension_times_what_it_takes_in():
     """A tube in the air drawn together: momentum stays, energy closes, T (L0 - L) is booked."""
     surface = tube()
     errors = []
-    for cut in (1.0, 0.5):
+    for cut in (0.5, 0.25):
         stepper = stepper_of(surface)
         stepper.recheck, stepper.dt = 10**9, cut * stepper.dt
         belt = stepper.add(Belt("waist", 1.0))

