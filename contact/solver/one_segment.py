@@ -191,6 +191,9 @@ def one_segment_kernel(kinetic_coefficient: Callable) -> Any:
         bound = min(-gap, work.recovery) + n0 * u0 + n1 * u1 + n2 * u2
         push = bound - (n0 * f0 + n1 * f1 + n2 * f2)
         if not push > 0.0:
+            # the free step is the step: segments that `only_plane` left to be asked are asked here
+            if not no_other(x, i, b, tau, f0, f1, f2, f0, f1, f2, sets, work, segments, gaps):
+                return MANY
             work.max_depth = max(work.max_depth, depth)
             return NONE
         s0, s1, s2 = f0 + push * n0, f1 + push * n1, f2 + push * n2
