@@ -123,7 +123,7 @@ else:
 
 @pytest.mark.serial
 def test_goes_on_with_any_number_of_ranks(tmp_path):
-    """Stopped on 2 ranks, gone on with 1, 2 and 3: 1e-8 after 200 steps, in which roundoff grows."""
+    """Stopped on 2 ranks, gone on with 1, 2 and 3: 1e-8 after 200 steps that let roundoff grow."""
     script = tmp_path / "run.py"
     script.write_text(SCRIPT.format(tests=Path(__file__).resolve().parents[2]))
 
