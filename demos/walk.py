@@ -71,7 +71,7 @@ def arguments(given):
     parser.add_argument("--seconds", type=positive(float), help="of the motion (default: all)")
     parser.add_argument("--cell-size", type=positive(float), help="m (default: accuracy)")
     parser.add_argument(
-        "--runs", type=positive(int), help="starts whose mean is told (default: accuracy)"
+        "--runs", type=positive(int), help="starts whose mean is reported (default: accuracy)"
     )
     parser.add_argument(
         "--wrinkles",

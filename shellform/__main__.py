@@ -49,7 +49,7 @@ friction = 0.3
 
 [steps]
 accuracy = "draft"          # standard, fine, or a percentage
-# runs = 3                  # starts whose mean is told; by the accuracy
+# runs = 3                  # starts whose mean is reported; by the accuracy
 
 [output]
 window_s = 0.02             # torques are means over this time
@@ -93,7 +93,7 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--runs",
         type=console.positive(int),
-        help="starts whose mean is told (default: what the accuracy needs)",
+        help="starts whose mean is reported (default: what the accuracy needs)",
     )
     resume = kinds.add_parser(
         "resume", allow_abbrev=False, help="go on with a run that was stopped"

@@ -86,7 +86,7 @@ class Choice:
     asked : float, relative error, or a word; None where a size of cells was given instead
     length : l [m]; ratio : h/l; predicted : {quantity: relative error}
     kept : bool, whether the error asked for can be promised; power_laws : {quantity: PowerLaw} of
-    a single run; runs : whose mean is told
+    a single run; runs : whose mean is reported
     """
 
     case: str

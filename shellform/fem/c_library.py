@@ -91,12 +91,12 @@ def _opened(source, declarations, command, flags):
 def _key(source, command, flags):
     program = Path(shutil.which(command[0]) or command[0]).resolve()
     known = program.stat()
-    told = source.read_bytes(), command, flags, str(program), known.st_size, known.st_mtime_ns
-    return hashlib.sha256(repr((told, _processor())).encode()).hexdigest()[:24]
+    content = source.read_bytes(), command, flags, str(program), known.st_size, known.st_mtime_ns
+    return hashlib.sha256(repr((content, _processor())).encode()).hexdigest()[:24]
 
 
 def _processor():
-    """What -march=native goes by: kind and abilities of the processor, as far as they are told."""
+    """What -march=native goes by: kind and abilities of the processor, as far as they are known."""
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text().split("\n\n")[0].splitlines()
         kinds = "vendor_id", "cpu family", "model", "flags", "Features", "CPU"

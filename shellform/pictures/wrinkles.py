@@ -121,8 +121,8 @@ def wrinkles_figure(
                 fit_view(axes, corners, view)
         column[0].set_title(f"{name}, {frame.frame.time:.2f} s", fontsize=10)
         shares = (100 * np.mean(frame.state == k) for k in range(3))
-        told = "taut {:.0f}, wrinkled {:.0f}, slack {:.0f} % of the cells".format(*shares)
-        column[-1].set_title(told, fontsize=8, y=-0.05)
+        caption = "taut {:.0f}, wrinkled {:.0f}, slack {:.0f} % of the cells".format(*shares)
+        column[-1].set_title(caption, fontsize=8, y=-0.05)
     _legend(figure, grid, top)
     save_figure(figure, Path(path))
     return True

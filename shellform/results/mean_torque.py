@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Joint torques of an ensemble of runs: mean curves with their band, over time and over strides.
 
-Each run has left a torque.csv, with windows at the same times. Of every joint are told
+Each run has left a torque.csv, with windows at the same times. Of every joint are reported
 
     peak of the mean curve, root mean square and work of the runs,
 

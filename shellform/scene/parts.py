@@ -109,7 +109,7 @@ class Steps:
     """How motion is computed.
 
     accuracy : 'draft', 'standard', 'fine' or 'N%', see `shellform.accuracy.choice`; runs : starts
-    of an ensemble whose mean is told, None: what the accuracy needs, see
+    of an ensemble whose mean is reported, None: what the accuracy needs, see
     `shellform.accuracy.ensemble_size`; time_step_factor : of the largest stable step; damping :
     stiffness-proportional [s]; drag : of the air [1/s]; dressing : 'shell' or 'particles', the
     model that puts the garment on.

@@ -69,7 +69,7 @@ class Scene:
 
     @property
     def runs(self) -> int:
-        """Runs of the ensemble whose mean is told."""
+        """Runs of the ensemble whose mean is reported."""
         return self.steps.runs or runs_needed(self.steps.accuracy)
 
     @property

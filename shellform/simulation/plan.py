@@ -7,7 +7,7 @@ and not in the run either:
 element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
-wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is told
+wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is reported
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
 
 Bending is in every plan. A sheet without it folds to the size of its cells, whatever these are, so
@@ -108,7 +108,11 @@ def plan_lines(plan: dict) -> list[str]:
     if "wrinkles" in plan:
         lines.append(f"wrinkles   {WRINKLES[plan['wrinkles']]}")
     if "runs" in plan:
-        runs = "one, without a band" if plan["runs"] == 1 else f"{plan['runs']}, their mean is told"
+        runs = (
+            "one, without a band"
+            if plan["runs"] == 1
+            else f"{plan['runs']}, their mean is reported"
+        )
         lines.append(f"runs       {runs}")
     if "outputs" in plan:
         lines.append(f"outputs    {', '.join(plan['outputs'])}")
