@@ -42,7 +42,8 @@ def test_compiled_once(source, tmp_path):
 def test_other_code_or_flags_have_files_of_their_own(source, tmp_path, monkeypatch):
     source.write_text(CODE)
     twice(source)
-    monkeypatch.setenv("SHELLFORM_CFLAGS", "-march=x86-64 -mtune=generic")  # as nobody else has them
+    # as nobody else has them
+    monkeypatch.setenv("SHELLFORM_CFLAGS", "-march=x86-64 -mtune=generic")
     twice(source)
     source.write_text(CODE.replace("2 *", "3 *"))
     c_library._opened.cache_clear()
