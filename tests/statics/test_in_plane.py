@@ -55,6 +55,17 @@ def test_cantilever(cells, distortion, low, high):
     assert low <= tip / exact <= high
 
 
+def test_triangles_are_stiff_in_their_plane():
+    """What the docstring of Shell says of them: 10 x 1 squares cut in two have 0.29 of the way."""
+    length, height, nu = 10.0, 1.0, 0.3
+    surface = meshes.rectangle(length, height, (10, 1), triangles=True)
+    found = deflected(surface, nu, 1.0, "right")
+    tip = found[np.unique(surface.edges["right"]), 1].mean()
+    exact = length**3 / (3 * E * T * height**3 / 12) + 1.2 * length / (0.5 * E / (1 + nu) * T)
+    print(f"\ntriangles: {tip / exact:.4f}")
+    assert tip / exact == pytest.approx(0.29, abs=0.02)
+
+
 @pytest.mark.parametrize(("cells", "low"), [(4, 23.0), (8, 23.7), (16, 23.9)])
 def test_cook(cells, low):
     """Cook's membrane, E t = 1, nu = 1/3, a shear of 1 over the free edge: 23.96.
