@@ -11,6 +11,7 @@ import numpy as np
 from shellform.material.energy import STRAINS, is_quadratic
 
 from .c_library import compiler_flags
+from .cell_membrane import cell_warp
 from .dolfinx_compat import (
     Constant,
     Function,
@@ -18,7 +19,6 @@ from .dolfinx_compat import (
     assemble_packed,
     cell_nodes,
     compiled,
-    given_cells,
     pack_coefficients,
     pack_constants,
 )
@@ -93,9 +93,7 @@ class InternalForce:
         shell, partition = self.shell, self.shell.partition
         cells = np.ascontiguousarray(cell_nodes(shell.space))
         points = shell.surface.points[partition.nodes] - partition.origin
-        warp = shell.surface.warp if shell.fabric.directional else None
-        if warp is not None and np.ndim(warp) == 2:
-            warp = warp[given_cells(shell.mesh)[: len(cells)]]
+        warp = cell_warp(shell.surface, shell.fabric, partition)
         directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
         return QuadForce(points, directors, cells, warp, shell.fabric, shell.relaxed)
 
