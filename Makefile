@@ -1,26 +1,25 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # Every target prepares what it needs; `make` alone lists them.
 
-PYTHON := .venv/bin/python
+# Another venv, and what goes into it: make test VENV=.venv-wheel WITH=wheel
+VENV ?= .venv
+export VENV WITH
+PYTHON := $(VENV)/bin/python
+# Of the same MPI as mpi4py, with its flags; setup leaves it there.
+MPIRUN := $(VENV)/bin/mpirun
 # One thread a rank: BLAS threads only get in each other's way here.
 export OMP_NUM_THREADS := 1
-# Containers run as root; Open MPI asks twice.
-export OMPI_ALLOW_RUN_AS_ROOT := 1
-export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
-# Ranks may outnumber the cores, and share them with other programs: who waits steps aside.
-export OMPI_MCA_mpi_yield_when_idle := 1
-MPIRUN := mpirun --oversubscribe --bind-to none
 
 # mpirun gives its ranks a terminal even where there is none.
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup roll-up drape walk docs test test-plain lint clean
+.PHONY: help setup roll-up drape walk docs test test-slice test-plain lint clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
 
-setup: ## install what is missing (Debian 12), make .venv
+setup: ## make .venv with the dolfinx that is here; WITH=active, apt or wheel picks one
 	@.ci/setup
 
 roll-up: setup ## roll a strip up into a circle by an end moment; result in out/roll_up
@@ -56,9 +55,9 @@ test-plain: setup ## all tests on 1 rank, compiled for any x86-64 processor of v
 lint: setup ## ruff: rules and layout; import-linter: which room may import which
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
-	.venv/bin/lint-imports --no-logo
+	$(VENV)/bin/lint-imports --no-logo
 	$(PYTHON) -m mypy
 
 clean: ## remove results and caches of the tools; .venv stays
 	rm -rf out build dist docs/_build docs/gallery_pages docs/api/rooms .pytest_cache .ruff_cache
-	find . -name __pycache__ -not -path './.venv/*' -type d -exec rm -rf {} +
+	find . -name __pycache__ -not -path './.venv*' -type d -exec rm -rf {} +

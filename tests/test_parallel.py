@@ -4,20 +4,13 @@
 This file is also the program that the ranks run: `python test_parallel.py NAME OUT.npz`.
 """
 
-import os
-import shutil
-import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import meshes
-
-ROOT = Path(__file__).resolve().parents[1]
-# A cold cache compiles four elements' forms; warm, each run takes about two seconds.
-PATIENCE = 600
+from tests.ranks import launch, needs_mpirun
 
 
 def distorted_sheet(degree=1, triangles=False):
@@ -108,27 +101,6 @@ def run(name, path):
     if MPI.COMM_WORLD.rank == 0:
         iterations = [step.iterations for step in statics.steps]
         np.savez(path, u=u, d=d, energy=energy, iterations=iterations, ranks=MPI.COMM_WORLD.size)
-
-
-def launch(ranks, *command, timeout=PATIENCE):
-    """Run a Python program on ranks; returns the completed process."""
-    environment = {
-        # a rank launched by a program under MPI must not take itself for one of its ranks
-        **{k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PMI_"))},
-        "OMP_NUM_THREADS": "1",
-        # more ranks than idle cores: a waiting rank lets the others work
-        "OMPI_MCA_mpi_yield_when_idle": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    }
-    mpirun = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
-    words = [*(mpirun if ranks > 1 else []), sys.executable, *map(str, command)]
-    return subprocess.run(
-        words, cwd=ROOT, capture_output=True, text=True, timeout=timeout, env=environment
-    )
-
-
-needs_mpirun = pytest.mark.skipif(shutil.which("mpirun") is None, reason="mpirun is not installed")
 
 
 @needs_mpirun
