@@ -18,6 +18,8 @@ from mpi4py import MPI
 
 from .errors import NotConverged, Stopped, Unstable
 
+COMM = MPI.COMM_WORLD  # all ranks of the program
+
 
 def parse(
     parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None
