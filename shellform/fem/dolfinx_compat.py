@@ -17,6 +17,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
+import basix
 import dolfinx
 import ufl
 from dolfinx import cpp, fem, jit, la
@@ -29,11 +30,6 @@ from dolfinx.mesh import Mesh as Mesh
 from ufl.core.expr import Expr as Expr
 
 from .quiet_compiler import quiet_compiler
-
-try:
-    from basix import ufl as basix_ufl
-except ImportError:  # elements were made by UFL itself
-    basix_ufl = None
 
 VERSION = dolfinx.__version__
 # a rank that waits for another rank's compiler must not give up
@@ -61,12 +57,11 @@ create_matrix = fem_petsc.create_matrix
 
 def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
     """Compile tuples of UFL forms; all signatures first: compiling one changes those of others."""
+    jit_options: dict[str, Any] = {_OPTIONS: JIT | options}
     for form in (form for group in groups for form in group):
         form.signature()
     with quiet_compiler(_forms_folder(), sum(map(len, groups))):
-        return [
-            tuple(fem.form(form, **{_OPTIONS: JIT | options}) for form in group) for group in groups
-        ]
+        return [tuple(fem.form(form, **jit_options) for form in group) for group in groups]
 
 
 def cache_folder() -> Path:
@@ -111,13 +106,14 @@ def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSp
 
 def _element(family: str, kind: str, degree: int, width: int) -> Any:
     """Element of UFL with `width` components on cells in 3-D."""
-    if basix_ufl is None:
+    make = getattr(getattr(basix, "ufl", None), "element", None)
+    if make is None:
         if family == "DG" and kind == "quadrilateral" and degree:
             family = "DQ"
         cell = ufl.Cell(kind, geometric_dimension=3)
         return ufl.VectorElement(family, cell, degree, dim=width)
-    gdim = {"gdim": 3} if "gdim" in inspect.signature(basix_ufl.element).parameters else {}
-    return basix_ufl.element(family, kind, degree, shape=(width,), **gdim)
+    gdim = {"gdim": 3} if "gdim" in inspect.signature(make).parameters else {}
+    return make(family, kind, degree, shape=(width,), **gdim)
 
 
 def cell_name(mesh: Mesh) -> str:
@@ -133,7 +129,8 @@ def cell_nodes(space: FunctionSpace) -> np.ndarray:
 
 def geometry_nodes(mesh: Mesh, width: int) -> np.ndarray:
     """Local points (m, width) of the geometry of the cells of this rank, which may have none."""
-    return _table(mesh.geometry.dofmap, width)
+    maps = getattr(mesh.geometry, "dofmaps", None)
+    return _table(maps[0] if isinstance(maps, list) else mesh.geometry.dofmap, width)
 
 
 def _table(rows: Any, width: int) -> np.ndarray:
