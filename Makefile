@@ -13,6 +13,12 @@ export OMP_NUM_THREADS := 1
 # mpirun gives its ranks a terminal even where there is none.
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
+# Roll-up, drape, a short walk; ranks; director, shell, statics, Newmark's steps; the platform itself.
+SLICE := tests/demos/test_demos.py tests/simulation/test_run.py tests/test_parallel.py \
+  tests/test_launcher.py tests/platform tests/fem/test_dolfinx_compat.py tests/fem/test_director.py \
+  tests/fem/test_shell.py tests/statics/test_load_stepping.py tests/statics/test_supports.py \
+  tests/statics/test_loads.py tests/dynamics/test_explicit.py tests/dynamics/test_implicit.py
+
 .DEFAULT_GOAL := help
 .PHONY: help setup roll-up drape walk docs test test-slice test-plain lint clean
 
@@ -39,11 +45,28 @@ docs: setup ## pages of docs/ with the gallery, links checked; result in docs/_b
 	$(PYTHON) -m sphinx -b html -E -W --keep-going -n -q docs docs/_build/html
 	@echo "wrote docs/_build/html/index.html"
 
-test: setup ## all tests on 1 rank, then on 2
+ifeq ($(PLATFORM),)
+test: setup ## all tests on 1 rank, then on 2; PLATFORM=wheel or debian13 for those of another one
 	@status=0; \
 	$(PYTEST) -n 2 --dist loadfile || status=1; \
 	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow" || status=1; \
 	exit $$status
+
+test-slice: setup ## tests that meet dolfinx, MPI and numpy most; PLATFORM as for test
+	@status=0; \
+	$(PYTEST) -n 2 --dist loadfile $(SLICE) || status=1; \
+	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow" $(SLICE) || status=1; \
+	exit $$status
+else ifeq ($(PLATFORM),wheel)
+test test-slice:
+	@$(MAKE) --no-print-directory $@ PLATFORM= VENV=.venv-wheel WITH=wheel
+else ifeq ($(PLATFORM),debian13)
+test test-slice:
+	@.ci/debian13 $@
+else
+test test-slice:
+	@echo "PLATFORM=$(PLATFORM) is unknown: wheel or debian13" >&2; exit 2
+endif
 
 # Test results may not hang on the processor: nothing of this one but what all of 2009 have.
 test-plain: export SHELLFORM_CFLAGS := -march=x86-64-v2
