@@ -14,6 +14,8 @@ used, so that reading a fabric card or drawing a picture does not start the fini
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .all_ranks import watch_exceptions
+
 if TYPE_CHECKING:
     from contact.body.segments import Body, Fixed, Segment
     from contact.solver.friction import Friction
@@ -109,6 +111,8 @@ _HOMES = {
     "strides": "shellform.motion.gait.strides",
     "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
+
+watch_exceptions()
 
 
 def __getattr__(name: str) -> Any:

@@ -16,6 +16,7 @@ from typing import Any
 
 from mpi4py import MPI
 
+from .all_ranks import HEAD_START, end_all_ranks
 from .errors import NotConverged, Stopped, Unstable
 
 
@@ -74,7 +75,6 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     """Call main(arguments); end all ranks on an error, in one sentence where it is known."""
     be_quiet()
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
-    world = MPI.COMM_WORLD
     try:
         main(arguments)
         return
@@ -87,11 +87,9 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     except Exception:
         message, code = traceback.format_exc(), 1
     # one voice: an error that all ranks meet is printed by rank 0, which then ends the others
-    time.sleep(0.3 * world.rank)
+    time.sleep(HEAD_START if MPI.COMM_WORLD.rank else 0.0)
     print(message, file=sys.stderr, flush=True)
-    if world.size > 1:
-        world.Abort(code)
-    sys.exit(code)
+    end_all_ranks(code)
 
 
 def _program():
