@@ -6,13 +6,15 @@ Under mpirun rank 0 alone speaks: warnings, the bar, the lines of `say`.
 
 import argparse
 import logging
+import os
+import signal
 import sys
 import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from mpi4py import MPI
 
@@ -32,6 +34,8 @@ def parse(
     """
     from petsc4py import PETSc
 
+    # PETSc takes a closed pipe for a crash; without its handler it is a BrokenPipeError, see `run`
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     known, rest = parser.parse_known_args(arguments)
     if rest and (rest[0].startswith("--") or not rest[0].startswith("-")):
         parser.error(f"unknown argument {rest[0]}")
@@ -77,7 +81,10 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     try:
         main(arguments)
+        sys.stdout.flush()
         return
+    except BrokenPipeError:  # as in `shellform check ... | head -1`: no more is wanted
+        _leave_quietly()
     except known as error:
         message, code = f"{_program()}: {error}", 2
     except Stopped as stop:
@@ -90,6 +97,12 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     time.sleep(HEAD_START if MPI.COMM_WORLD.rank else 0.0)
     print(message, file=sys.stderr, flush=True)
     end_all_ranks(code)
+
+
+def _leave_quietly() -> NoReturn:
+    """End as Unix tools do whose reader has gone: without a word, also when Python flushes."""
+    sys.stdout = open(os.devnull, "w")
+    end_all_ranks(128 + signal.SIGPIPE)
 
 
 def _program():

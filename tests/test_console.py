@@ -2,6 +2,7 @@
 """What a command line shows: sentences, no paths of ours, nothing that other packages log."""
 
 import logging
+import subprocess
 import sys
 import warnings
 
@@ -74,3 +75,23 @@ def test_no_bar_without_a_terminal(capsys):
     assert list(console.progress(range(3), 3, "walk")) == [0, 1, 2]
     said = capsys.readouterr()
     assert said.out == said.err == ""
+
+
+@pytest.mark.serial
+def test_output_into_a_pipe_that_closes(tmp_path):
+    """As `| head -1`: the reader goes after a line, the program ends without a word."""
+    program = (
+        "import argparse\n"
+        "from shellform import console\n"
+        "def main(given=None):\n"
+        "    console.parse(argparse.ArgumentParser(), given)\n"
+        "    for i in range(100000):\n"
+        "        console.say([f'line {i}'])\n"
+        "console.run(main)\n"
+    )
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"line 0\n"
+        process.stdout.close()
+        said = process.stderr.read()
+    assert said == b"" and process.returncode == 141
