@@ -52,7 +52,9 @@ def test_nothing_that_other_packages_log(capsys):
     ("error", "code"),
     [(ValueError("no such hem"), 2), (NotConverged("at level 0.5"), 2), (Stopped("at 1 s"), 130)],
 )
-def test_an_error_is_a_sentence(error, code, capsys):
+def test_an_error_is_a_sentence(error, code, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["demos/walk.py"])
+
     def main(_):
         raise error
 
@@ -60,7 +62,7 @@ def test_an_error_is_a_sentence(error, code, capsys):
         console.run(main)
     said = capsys.readouterr()
     assert stop.value.code == code and said.out == ""
-    assert said.err == f"{sys.argv[0]}: {error}\n"
+    assert said.err == f"walk.py: {error}\n"
 
 
 @pytest.mark.serial
