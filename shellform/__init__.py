@@ -14,6 +14,7 @@ used, so that reading a fabric card or drawing a picture does not start the fini
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from . import writable_folders
 from .all_ranks import watch_exceptions
 
 if TYPE_CHECKING:
@@ -112,6 +113,7 @@ _HOMES = {
     "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
 
+writable_folders.NOTES += writable_folders.provide()
 watch_exceptions()
 
 

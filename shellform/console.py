@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 
 from mpi4py import MPI
 
+from . import writable_folders
 from .all_ranks import HEAD_START, end_all_ranks
 from .errors import NotConverged, Stopped, Unstable
 
@@ -78,6 +79,8 @@ def say(lines: Iterable[str]) -> None:
 def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     """Call main(arguments); end all ranks on an error, in one sentence where it is known."""
     be_quiet()
+    for note in writable_folders.NOTES:
+        logging.getLogger("shellform").info(note)
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     try:
         main(arguments)
