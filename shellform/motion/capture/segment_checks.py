@@ -10,6 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from contact.body.segment_frame import pose_from_markers
+from shellform.errors import Mendable
 from shellform.motion.recording import SIDES
 
 from .gait_events import forward
@@ -81,8 +82,8 @@ def require_pace(points: Mapping[str, np.ndarray], times: np.ndarray, source: st
         speed = np.linalg.norm(np.diff(track, axis=0), axis=2) / np.diff(times)[:, None]
         frame = int(np.argmax(speed.max(axis=1)))
         if speed[frame].max() > FASTEST:
-            raise ValueError(
+            raise Mendable(
                 f"{source}: '{name}' moves at {speed[frame].max():.0f} m/s at t = "
-                f"{times[frame]:.3f} s, and nobody is faster than {FASTEST:.0f} m/s; correct the "
-                "rate or the markers, cut the capture with window=(start, end), or lower the cutoff"
+                f"{times[frame]:.3f} s, and nobody is faster than {FASTEST:.0f} m/s",
+                "correct the rate or the markers, cut the capture with {window}, or lower {cutoff}",
             )
