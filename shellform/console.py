@@ -10,13 +10,13 @@ import sys
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
 
-from .errors import NotConverged, Stopped, Unstable
+from .errors import Mendable, NotConverged, Stopped, Unstable
 
 
 def parse(
@@ -70,8 +70,15 @@ def say(lines: Iterable[str]) -> None:
         print("\n".join(lines), flush=True)
 
 
-def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
-    """Call main(arguments); end all ranks on an error, in one sentence where it is known."""
+def run(
+    main: Callable,
+    arguments: Sequence[str] | None = None,
+    words: Mapping[str, str] | None = None,
+) -> None:
+    """Call main(arguments); end all ranks on an error, in one sentence where it is known.
+
+    words : how the program spells options that mend an input, see `shellform.errors.Mendable`
+    """
     be_quiet()
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     world = MPI.COMM_WORLD
@@ -79,7 +86,8 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
         main(arguments)
         return
     except known as error:
-        message, code = f"{_program()}: {error}", 2
+        said = error.in_words(words) if words and isinstance(error, Mendable) else error
+        message, code = f"{_program()}: {said}", 2
     except Stopped as stop:
         message, code = f"{_program()}: {stop}", 130
     except KeyboardInterrupt:

@@ -33,7 +33,7 @@ from .parts import PARTS
 from .scene import Scene
 
 # what may be a file, relative to that of the scene
-FILES = (("motion", "file"), ("motion", "map"), ("garment", "file"))
+FILES = (("motion", "file"), ("motion", "static"), ("motion", "map"), ("garment", "file"))
 
 
 def key_of(item: Field) -> str:
@@ -68,7 +68,7 @@ def read_scene(path: str | Path) -> Scene:
 
 def _is_file(key, path):
     """A map may be a name; what else names a file is told to be missing where it is read."""
-    return key == "file" or path.is_file()
+    return key in ("file", "static") or path.is_file()
 
 
 def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Path()) -> Scene:

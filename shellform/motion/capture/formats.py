@@ -3,13 +3,14 @@
 
 A new format is one file with a function `path -> Raw` and one entry below. What a file holds is
 checked by its reader; what all formats share is in marker_table.py. Readers whose library is not
-always installed import it when they are called, as c3d_file.py does with ezc3d.
+always installed import it when they are called, as c3d_contents.py does with ezc3d.
 """
 
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from .bvh_file import read_bvh
 from .c3d_file import read_c3d
 from .csv_file import read_csv
 from .marker_table import Raw, named_once
@@ -25,8 +26,10 @@ class Format(NamedTuple):
 
 FORMATS = {
     ".trc": Format(read_trc, "Motion Analysis and OpenSim: labels, rate and unit from the header."),
-    ".csv": Format(read_csv, "A line of names, a column of times, then x, y, z of each marker."),
-    ".c3d": Format(read_c3d, "Binary, by ezc3d: places, gaps, unit and vertical of group POINT."),
+    ".csv": Format(read_csv, "Exports of Motive and Nexus; a script's: times, then x, y, z each."),
+    ".tsv": Format(read_csv, "Exports of QTM, and what CSV files hold, between tabs."),
+    ".c3d": Format(read_c3d, "Binary, by ezc3d or c3d: places, gaps, unit and vertical; poses."),
+    ".bvh": Format(read_bvh, "Skeletons: joints by names, without markers."),
 }
 
 

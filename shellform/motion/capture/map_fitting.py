@@ -125,7 +125,9 @@ def try_map(
         else:
             without_segment[key] = lacks[0]
     ends = [p for points in segments.values() for p in points]
-    firm = [p for k, points in segments.items() if not map.segments[k].get("optional") for p in points]
+    firm = [
+        p for k, points in segments.items() if not map.segments[k].get("optional") for p in points
+    ]
     closed, needed = _closure(ends, rules, True), _closure(firm or ends, rules, False)
     fitted = FittedMap(
         map,

@@ -65,22 +65,34 @@ def choose_map(markers: Markers, hint: bool = True) -> SegmentMap:
             f"'{wide[0].map.name}')",
             "mark the pelvis, or write a map that says what they are and pass {map:own_map.toml}",
         )
-    total, said = len(markers.names), []
+    raise _refusal(ranked, markers.names, markers.empty, markers.source, hint)
+
+
+def require_set(names: Collection[str], source: str) -> None:
+    """Refuse labels that no shipped map fits, before their places are looked at."""
+    ranked = fits(names)
+    if ranked[0].lacks:
+        raise _refusal(ranked, names, (), source, True)
+
+
+def _refusal(ranked, names, empty, source, hint):
+    """What the sets lack that explain most labels."""
+    total, said = len(names), []
     for fit in [fit for fit in ranked if fit.explained][:3] or ranked[:1]:
         segment, marker = next(iter(fit.lacks.items()))
         spellings = fit.map.markers[marker] or (marker,)
         said.append(
             f"'{fit.map.name}' explains {fit.explained} of {total} labels, and {segment} lacks "
             f"{marker} ({', '.join(spellings[:3])}; closest label: "
-            f"'{closest(spellings, markers.names)}')"
+            f"'{closest(spellings, names)}')"
         )
     blank = ""
-    if markers.empty:
-        shown = ", ".join(markers.empty[:4]) + (", ..." if len(markers.empty) > 4 else "")
+    if empty:
+        shown = ", ".join(empty[:4]) + (", ..." if len(empty) > 4 else "")
         blank = f"; without numbers: {shown}"
     static = ", pass {static:standing.trc} if a static trial has them" if hint else ""
-    raise Mendable(
-        f"{markers.source}: no shipped map fits: {'; '.join(said)}{blank}",
+    return Mendable(
+        f"{source}: no shipped map fits: {'; '.join(said)}{blank}",
         f"rename the markers{static}, or write a map and pass {{map:own_map.toml}}",
     )
 
@@ -98,7 +110,10 @@ def set_notes(map: SegmentMap, names: Iterable[str]) -> list[str]:
         notes.append(f"{len(known)} of {len(names)} labels belong to the set, not {shown}")
     else:
         notes.append(f"all {len(names)} labels belong to the set")
-    for centre, here, there in ((False, "markers", "joint centres"), (True, "joint centres", "markers")):
+    for centre, here, there in (
+        (False, "markers", "joint centres"),
+        (True, "joint centres", "markers"),
+    ):
         odd, where = [], set()
         for name in known:
             key = words[plain(name)]

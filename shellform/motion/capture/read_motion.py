@@ -21,7 +21,7 @@ from shellform.motion.recording import SIDES, Recording
 from .formats import read_table
 from .gait_events import facts
 from .gaps_and_spikes import filled, low_pass, rigid_legs, without_spikes
-from .marker_sets import choose_map, regions, set_notes
+from .marker_sets import choose_map, regions, require_set, set_notes
 from .markers import Markers, to_markers
 from .noise import noise_note
 from .seen_markers import seen
@@ -95,7 +95,10 @@ def read_motion(
     """
     if map is not None and not isinstance(map, SegmentMap):
         map = segment_map(map)
-    markers = read_markers(file, unit, up, map)
+    raw = read_table(file)
+    if map is None and static is None:
+        require_set(raw.names, str(file))
+    markers = to_markers(raw, str(file), regions(raw.names, map), unit, up)
     if static is not None:
         markers = with_static(markers, read_markers(static, unit, up, map), map)
     return recording(markers, map, max_gap, cutoff, window, rigid)

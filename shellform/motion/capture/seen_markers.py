@@ -52,7 +52,9 @@ def seen(
         for k, name in enumerate(markers.names)
     }
     # markers that are not seen at all in the window are as if they were not there
-    fitted, notes, bad = fit_map(map, markers), [], []
+    fitted = fit_map(map, markers)
+    notes: list[str] = []
+    bad: list[str] = []
     while True:
         core = {fitted.labels[name] for name in fitted.needed}
         blind = sorted(label for label in core if not there[label].any())

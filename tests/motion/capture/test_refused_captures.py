@@ -44,7 +44,7 @@ def test_c3d_leaves_out_what_is_no_place(tmp_path):
 
 def test_c3d_without_ezc3d(tmp_path, monkeypatch):
     """A sentence, and only when a C3D file is read."""
-    (tmp_path / "a.c3d").write_bytes(bytes(1024))
+    (tmp_path / "a.c3d").write_bytes(b"\x02\x50" + bytes(1022))
     monkeypatch.setitem(sys.modules, "ezc3d", None)
     names, tracks, _ = walker(BMC, seconds=0.5)
     assert len(read_markers(write_csv(tmp_path / "a.csv", names, tracks)).names) == 18
@@ -149,5 +149,5 @@ def test_maps_are_checked(tmp_path, old, new, match):
     with pytest.raises(ValueError, match=match) as error:
         segment_map(path)
     assert str(path) in str(error.value)
-    with pytest.raises(ValueError, match="no map 'media'; there are .*medial"):
+    with pytest.raises(ValueError, match=r"no map 'media'; there are .*medial"):
         segment_map("media")
