@@ -10,6 +10,7 @@ Where less than three stay on, the centre of the joint above counts as one.
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,11 +24,13 @@ from .markers import Markers
 from .segment_map import SegmentMap
 
 REACH = 0.17  # of a limb's axis to its markers [m]
-ON_LIMB = (-0.05, 1.12)  # of its length, where its markers are
+# of a limb's length, where its markers are; those where it begins are on the limb above
+ON_LIMB = (0.04, 1.12)
 ON_FOOT = (-0.4, 1.4)  # of the length from heel to toe
 TRUNK = 0.32  # of the middle of the pelvis to its markers [m]
 FOOT = 0.12  # of the foot's axis to its markers [m]
 LOOSE = 0.015  # rms of a marker off its cluster, from which on it is not fixed on the limb [m]
+FIRM = 0.01  # error up to which the limb's own cluster is taken, whatever others promise [m]
 WRONG = 0.03  # rms of a whole cluster that is none [m]
 
 
@@ -54,45 +57,64 @@ def with_static(walk: Markers, static: Markers, map: SegmentMap | None = None) -
     fitted = fit_map(map, both)
     trials = _Trials(fitted, walk, static)
     lacking = {m for m, label in fitted.labels.items() if label not in walk.names}
-    notes: list[str] = []
-    alone: dict[str, tuple] = {}
-    for segment in fitted.segments:
-        here = [m for m in _markers_of(fitted, segment) if m in lacking]
-        if not here:
+    told: dict[str, list[str]] = {}
+    for marker, segments in _carriers(fitted, lacking).items():
+        label = fitted.labels[marker]
+        tries = [trials.carry(label, segment) for segment in segments]
+        found = [one for one in tries if one.track is not None]
+        if not found:
+            if marker in fitted.needed:
+                raise _alone(label, segments[0], tries[0].cluster, walk, static)
             continue
-        cluster = trials.cluster(segment)
-        own, far = trials.pair(segment, cluster)
-        if own is None:
-            alone |= {m: (segment, cluster) for m in here if m not in alone}
-            continue
-        for marker in here:
-            label = fitted.labels[marker]
-            track, rms = carried(static.track(label), own, far)
-            if rms > WRONG:
-                raise Mendable(
-                    f"{walk.source}: markers {', '.join(cluster)} are {1e3 * rms:.0f} mm (rms) off "
-                    f"where {static.source} has them on the {segment.replace('_', ' ')}",
-                    "labels are mixed up, or it is another person's: take another {static}",
-                )
-            trials.walking[marker] = both.positions[:, both.names.index(label)] = track
-            lacking.discard(marker)
-        labels = ", ".join(fitted.labels[m] for m in here)
-        by = ", ".join(cluster) + (" and the joint above" if len(cluster) < own.shape[1] else "")
-        notes.append(f"{labels} carried from {static.source} by {by} ({1e3 * rms:.1f} mm rms)")
-    for marker in lacking & fitted.needed:
-        segment, cluster = alone[marker]
-        raise Mendable(
-            f"{walk.source}: marker '{fitted.labels[marker]}' is in {static.source} alone, and of "
-            f"the markers that stay on the {segment.replace('_', ' ')} both have "
-            f"{', '.join(cluster) or 'none'}",
-            "three are needed to carry it, or another {static}",
-        )
+        best = min(found, key=lambda one: one.error)
+        if found[0].error < max(FIRM, 2.0 * best.error):
+            best = found[0]  # it lies on this limb
+        if best.rms > WRONG:
+            raise Mendable(
+                f"{walk.source}: markers {best.cluster} are {1e3 * best.rms:.0f} mm (rms) off "
+                f"where {static.source} has them",
+                "labels are mixed up, or it is another person's: take another {static}",
+            )
+        trials.walking[marker] = both.positions[:, both.names.index(label)] = best.track
+        by = f"{best.cluster} ({1e3 * best.rms:.1f} mm rms)"
+        told.setdefault(by, []).append(label)
+    notes = [
+        f"{', '.join(names)} carried from {static.source} by {by}" for by, names in told.items()
+    ]
     full = np.isfinite(both.positions).any(axis=(0, 2))
     return replace(
         both,
         names=tuple(n for n, keep in zip(both.names, full) if keep),
         positions=both.positions[:, full],
         notes=(*walk.notes, *notes),
+    )
+
+
+class Carried(NamedTuple):
+    """A marker carried by a cluster: its labels as text, the track (n, 3) or None, rms misfit of
+    the cluster, and what that makes of the marker with its lever [m]."""
+
+    cluster: str
+    track: np.ndarray | None = None
+    rms: float = 0.0
+    error: float = 0.0
+
+
+def _carriers(fitted, lacking):
+    """Marker -> segments that may carry it, the one it lies on first, from the pelvis down."""
+    out = {}
+    for segment in fitted.segments:
+        for marker in _markers_of(fitted, segment):
+            if marker in lacking:
+                out.setdefault(marker, []).append(segment)
+    return out
+
+
+def _alone(label, segment, cluster, walk, static):
+    return Mendable(
+        f"{walk.source}: marker '{label}' is in {static.source} alone, and of the markers that "
+        f"stay on the {segment.replace('_', ' ')} both have {cluster or 'none'}",
+        "three are needed to carry it, or another {static}",
     )
 
 
@@ -175,20 +197,29 @@ class _Trials:
             labels = labels[:worst] + labels[worst + 1 :]
         return labels
 
-    def pair(self, segment, cluster):
-        """Tracks (n, k, 3) of a cluster, standing and walking, with the joint above where they are
-        too few; None and None where that does not do."""
-        own, far = ([trial.track(n) for n in cluster] for trial in (self.static, self.walk))
+    def carry(self, label, segment):
+        """`Carried` of a label of the static trial by the markers on a segment, with the joint
+        above where they are too few."""
+        labels = self.cluster(segment)
+        said = ", ".join(labels)
+        own, far = ([trial.track(n) for n in labels] for trial in (self.static, self.walk))
         if not _wide(own) and segment != "pelvis":
             joint = self.fitted.segments[segment][0]
             above = [_points(self.fitted, t).get(joint) for t in (self.standing, self.walking)]
             if not any(track is None for track in above):
                 own, far = [*own, above[0]], [*far, above[1]]
+                said += " and the joint above"
         if not _wide(own):
-            return None, None
+            return Carried(", ".join(labels))
         own, far = np.stack(own, axis=1), np.stack(far, axis=1)
-        enough = np.isfinite(far).all(axis=2).sum(axis=1) >= 3
-        return (own, far) if enough.any() else (None, None)
+        if not (np.isfinite(far).all(axis=2).sum(axis=1) >= 3).any():
+            return Carried(", ".join(labels))
+        track, rms = carried(self.static.track(label), own, far)
+        shape = mean_shape(own)
+        place = np.nanmedian(self.static.track(label), axis=0)
+        lever = np.linalg.norm(place - np.nanmean(np.nanmedian(own, axis=0), axis=0))
+        wide = breadth(shape[np.isfinite(shape).all(axis=1)][None])
+        return Carried(said, track, rms, float(rms * (1.0 + lever / wide)))
 
 
 def _wide(tracks):
