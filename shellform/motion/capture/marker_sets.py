@@ -82,14 +82,14 @@ def _refusal(ranked, names, empty, source, hint):
         segment, marker = next(iter(fit.lacks.items()))
         spellings = fit.map.markers[marker] or (marker,)
         said.append(
-            f"'{fit.map.name}' explains {fit.explained} of {total} labels, and {segment} lacks "
-            f"{marker} ({', '.join(spellings[:3])}; closest label: "
+            f"'{fit.map.name}' explains {fit.explained} of {total} labels, and {segment} needs "
+            f"marker '{marker}' ({', '.join(spellings[:3])}), which is not there (closest label: "
             f"'{closest(spellings, names)}')"
         )
     blank = ""
     if empty:
-        shown = ", ".join(empty[:4]) + (", ..." if len(empty) > 4 else "")
-        blank = f"; without numbers: {shown}"
+        shown = ", ".join(f"'{name}'" for name in empty[:4]) + (", ..." if len(empty) > 4 else "")
+        blank = f"; {shown} holds no numbers, fill it"
     static = ", pass {static:standing.trc} if a static trial has them" if hint else ""
     return Mendable(
         f"{source}: no shipped map fits: {'; '.join(said)}{blank}",

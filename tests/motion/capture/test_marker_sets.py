@@ -195,7 +195,9 @@ def test_a_file_that_fits_no_set_says_what_it_lacks(tmp_path):
     names, tracks, _ = walker(LATERAL)
     keep = [k for k, n in enumerate(names) if "Knee" not in n]
     path = write_trc(tmp_path / "walk.trc", [names[k] for k in keep], 1000 * tracks[:, keep])
-    with pytest.raises(ValueError, match=r"lateral.*right_thigh lacks right_knee_lateral.*static="):
+    with pytest.raises(
+        ValueError, match=r"lateral.*right_thigh needs marker .right_knee_lateral.*static="
+    ):
         read_motion(path)
 
 
