@@ -38,18 +38,20 @@ def read_motive(lines: list[str], separator: str, path: str | Path) -> Raw:
     names = head[head.index(types) + 1]
     what = next((r for r in head if "Position" in r), None)
     columns: dict[str, int] = {}
+    labels: list[str] = []
+    notes: list[str] = []
     for kinds in KINDS:
         for k in range(2, width - 2):
             place = what is None or what[k] == "Position"
             if types[k] in kinds and place and axes[k : k + 3] == ["X", "Y", "Z"]:
                 columns.setdefault(names[k], k)
-        if columns:
+        labels = [n for n in columns if n and not n.lower().startswith("unlabeled")]
+        if labels:
             break
-    unnamed = [n for n in columns if not n or n.lower().startswith("unlabeled")]
-    notes = [f"{len(unnamed)} unlabeled markers left out"] if unnamed else []
-    if types and kinds == ("Bone",) and columns:
+    if len(labels) < len(columns):
+        notes.append(f"{len(columns) - len(labels)} unlabeled markers left out")
+    if labels and kinds == ("Bone",):
         notes.append("no markers, positions of bones: taken for joint centres")
-    labels = [n for n in columns if n not in unnamed]
     if not labels:
         raise ValueError(f"{path}: no column is the X of a labelled marker; label them in Motive")
     rows = []

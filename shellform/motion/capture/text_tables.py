@@ -50,9 +50,8 @@ def text_of(path: str | Path) -> tuple[str, list[str]]:
 
 
 def separator_of(line: str) -> str:
-    """What separates the cells of a line; "" for blanks."""
-    best = max("\t;,", key=line.count)
-    return best if line.count(best) else ""
+    """What separates the cells of a line, "" for blanks; commas last, as numbers may have them."""
+    return next((sign for sign in "\t;," if line.count(sign) > 1), "")
 
 
 def cells_of(line: str, separator: str = "\t") -> list[str]:
