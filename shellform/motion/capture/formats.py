@@ -10,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from .bvh_file import read_bvh
 from .c3d_file import read_c3d
 from .csv_file import read_csv
@@ -23,6 +25,9 @@ class Format(NamedTuple):
     read: Callable[[Path], Raw]
     content: str
 
+
+RATES = (0.5, 1e5)  # frames a second of any camera [Hz]
+LONGEST = 1e7  # of a clock [s], a third of a year
 
 FORMATS = {
     ".trc": Format(read_trc, "Motion Analysis and OpenSim: labels, rate and unit from the header."),
@@ -51,4 +56,10 @@ def read_table(path: str | Path) -> Raw:
         raise ValueError(f"{path}: no marker file; {', '.join(most)} and {last} are read")
     if not path.is_file():
         raise ValueError(f"{path}: no such file")
-    return named_once(form.read(path), path)
+    raw = form.read(path)
+    if not RATES[0] <= raw.rate <= RATES[1] or not np.abs(raw.times).max() < LONGEST:
+        raise ValueError(
+            f"{path}: {raw.rate:.4g} frames a second from t = {raw.times[0]:.4g} s on are no "
+            "capture; correct rate and times"
+        )
+    return named_once(raw, path)

@@ -25,6 +25,7 @@ SPELLINGS = {
     "inches": "in",
 }
 PERSON = (0.5, 2.5)  # largest extent of the markers [m]: a child's legs, a tall man with arms up
+FARTHEST = 1e9  # in any unit; a number beyond it is damaged
 UPRIGHT = 0.9  # cosine between pelvis over feet and the axis taken for the vertical
 
 
@@ -106,6 +107,10 @@ def to_markers(
         When nothing is left, the vertical is not clear, or no person has this size.
     """
     names, positions, notes = list(raw.names), np.array(raw.positions, float), list(raw.notes)
+    far = (np.abs(positions) > FARTHEST).any(axis=2)
+    if far.any():
+        positions[far] = np.nan
+        notes.append(f"{int(far.sum())} places out of the world taken for gaps")
     at_origin = (positions == 0.0).all(axis=2)
     if at_origin.any():
         positions[at_origin] = np.nan

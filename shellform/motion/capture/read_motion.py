@@ -25,7 +25,7 @@ from .marker_sets import choose_map, regions, require_set, set_notes
 from .markers import Markers, to_markers
 from .noise import noise_note
 from .seen_markers import seen
-from .segment_checks import mirrored, require_lever, require_pace, require_sides
+from .segment_checks import mirrored, require_lever, require_pace, require_shape, require_sides
 from .segment_map import SegmentMap, segment_map
 from .static_trial import with_static
 
@@ -176,7 +176,9 @@ def recording(
     tracks = {name: markers.track(label)[frames].copy() for name, label in fitted.labels.items()}
     tracks, said = _mended(tracks, fitted.labels, times, max_gap, source)
     notes += [*said, *noise_note(tracks, fitted.labels, markers.rate, cutoff)]
-    points = fitted.points(tracks)
+    with np.errstate(all="ignore"):  # markers that coincide are refused by what comes of them
+        points = fitted.points(tracks)
+    require_shape(points, times, source)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
         points = fitted.points(tracks)

@@ -16,7 +16,20 @@ from shellform.motion.recording import SIDES
 from .gait_events import forward
 
 LEVER = 0.010  # least distance of M from the line J1-J2 [m]
+SHORTEST = 0.01  # of a segment [m]
 FASTEST = 30.0  # a kicking foot moves at 20 to 25 m/s
+
+
+def require_shape(points: Mapping[str, np.ndarray], times: np.ndarray, source: str) -> None:
+    """Refuse segments without length, and points that are no numbers: markers that coincide."""
+    for name, track in points.items():
+        length = np.linalg.norm(track[:, 1] - track[:, 0], axis=1)
+        bad = ~np.isfinite(track).all(axis=(1, 2)) | ~(length > SHORTEST)
+        if bad.any():
+            raise ValueError(
+                f"{source}: J1 and J2 of '{name}' coincide, or are nowhere, at t = "
+                f"{times[int(np.argmax(bad))]:.3f} s; two markers have one place, correct them"
+            )
 
 
 def mirrored(points: Mapping[str, np.ndarray]) -> bool:
