@@ -60,10 +60,9 @@ def damaged(data: bytes, damage) -> bytes:
         return data[:first] + insert + data[first + len(insert) :]
     if what == "bits":
         # half of them in the first part of a file, where its header is
-        place = first if k % 2 else first % 1500
-        return (
-            data[:place] + bytes([data[place] ^ (1 << k % 8)]) + data[place + 1 :] if data else data
-        )
+        place = min(first if k % 2 else first % 1500, len(data) - 1)
+        flipped = bytes([data[place] ^ (1 << k % 8)]) if data else b""
+        return data[: max(place, 0)] + flipped + data[place + 1 :]
     if what == "token":
         found = list(re.finditer(rb"[-+.\w]+", data))
         if not found:
