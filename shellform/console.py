@@ -12,7 +12,7 @@ import sys
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -20,7 +20,7 @@ from mpi4py import MPI
 
 from . import writable_folders
 from .all_ranks import HEAD_START, end_all_ranks
-from .errors import NotConverged, Stopped, Unstable
+from .errors import Mendable, NotConverged, Stopped, Unstable
 
 COMM = MPI.COMM_WORLD  # all ranks of the program
 
@@ -78,8 +78,15 @@ def say(lines: Iterable[str]) -> None:
         print("\n".join(lines), flush=True)
 
 
-def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
-    """Call main(arguments); end all ranks on an error, in one sentence where it is known."""
+def run(
+    main: Callable,
+    arguments: Sequence[str] | None = None,
+    words: Mapping[str, str] | None = None,
+) -> None:
+    """Call main(arguments); end all ranks on an error, in one sentence where it is known.
+
+    words : how the program spells options that mend an input, see `shellform.errors.Mendable`
+    """
     be_quiet()
     for note in writable_folders.NOTES:
         logging.getLogger("shellform").info(note)
@@ -91,7 +98,8 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     except BrokenPipeError:  # as in `shellform check ... | head -1`: no more is wanted
         _leave_quietly()
     except known as error:
-        message, code = f"{_program()}: {error}", 2
+        said = error.in_words(words) if words and isinstance(error, Mendable) else error
+        message, code = f"{_program()}: {said}", 2
     except Stopped as stop:
         message, code = f"{_program()}: {stop}", 130
     except KeyboardInterrupt:

@@ -33,7 +33,7 @@ from .parts import PARTS
 from .scene import Scene
 
 # what may be a file, relative to that of the scene
-FILES = (("motion", "file"), ("motion", "map"), ("garment", "file"))
+FILES = (("motion", "file"), ("motion", "static"), ("motion", "map"), ("garment", "file"))
 
 
 def key_of(item: Field) -> str:
@@ -58,17 +58,17 @@ def read_scene(path: str | Path) -> Scene:
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file; `shellform new {path}` writes a scene")
-    with open(path, "rb") as file:
-        try:
-            data = tomllib.load(file)
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise ValueError(f"{path}: not a TOML file: {error}") from None
+    try:
+        # editors on Windows put a byte-order mark first
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path}: not a TOML file: {error}") from None
     return scene_from(data, str(path), path.parent)
 
 
 def _is_file(key, path):
     """A map may be a name; what else names a file is told to be missing where it is read."""
-    return key == "file" or path.is_file()
+    return key in ("file", "static") or path.is_file()
 
 
 def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Path()) -> Scene:
