@@ -64,6 +64,11 @@ def check_arrays(points: np.ndarray, cells: np.ndarray, source: str) -> None:
             f"{source}: cells have the shape {cells.shape}, give one row of 3, 4 or 9 point "
             "indices for each cell."
         )
+    check_indices(points, cells, source)
+
+
+def check_indices(points: np.ndarray, cells: np.ndarray, source: str) -> None:
+    """Raise MeshError unless points are finite and cells (m, k) name points that exist."""
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         raise MeshError(
@@ -257,6 +262,6 @@ def _warn_coincident(surface):
         warnings.warn(
             f"{surface.source}: {len(np.unique(pairs[:, 1]))} points lie on another point without "
             f"being joined to it (first: points {pairs[0, 0]} and {pairs[0, 1]}); unless this is a "
-            "slit, join them with meshes.merge_duplicates(surface).",
+            "slit, join them with meshes.merge_duplicates(surface), or weld_m = 1e-6 in a scene.",
             stacklevel=5,
         )

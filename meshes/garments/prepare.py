@@ -45,11 +45,11 @@ def prepare_garment(surface: Surface, waist: str | Locator | None = None) -> Sur
     """
     surface = surface.replace(verify=True)
     source = surface.source
-    pieces = _pieces(surface.cells)
-    if pieces.max() > 0:
+    piece = pieces(surface.cells)
+    if piece.max() > 0:
         raise MeshError(
-            f"{source}: the garment is in {pieces.max() + 1} pieces (cells 0 and "
-            f"{int(np.argmax(pieces > 0))} are not joined), join them with "
+            f"{source}: the garment is in {piece.max() + 1} pieces (cells 0 and "
+            f"{int(np.argmax(piece > 0))} are not joined), join them with "
             "meshes.merge_duplicates, or dress them one by one."
         )
     loops = boundary_loops(surface)
@@ -124,7 +124,7 @@ def regions(surface: Surface) -> dict[str, np.ndarray]:
     }
 
 
-def _pieces(cells):
+def pieces(cells):
     """Number of the connected piece of each cell (m,), the first cell's being 0."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
