@@ -13,7 +13,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from shellform.errors import Unstable
-from shellform.fem.dolfinx_compat import Function, petsc_view
+from shellform.fem.dolfinx_compat import Function, exceptions_as_raised, petsc_view
 from shellform.fem.lumped_mass import lumped
 from shellform.fem.shell import Shell
 
@@ -176,7 +176,8 @@ class Stepper:
         self.ts.setStepNumber(0)
         self.ts.setMaxTime(until)
         self.ts.setTimeStep(self.next_dt())
-        self.ts.solve(self._ts_vector)
+        with exceptions_as_raised():
+            self.ts.solve(self._ts_vector)
         self.time = until
         petsc_view(self.shell.w).copy(self._ts_vector)
 

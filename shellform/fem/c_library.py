@@ -26,7 +26,8 @@ from typing import Any
 
 import cffi
 
-from .dolfinx_compat import LOG, cache_folder
+from .dolfinx_compat import cache_folder
+from .quiet_compiler import LOG
 
 # without NaN or infinity assumed away: a step that explodes must be seen to
 FAST = ["-fno-math-errno", "-fno-trapping-math", "-fassociative-math"]

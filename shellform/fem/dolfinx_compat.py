@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What differs between versions of dolfinx, UFL and FFCx: no other file imports dolfinx.
+"""What differs between versions of dolfinx, UFL, FFCx and PETSc: no other file imports dolfinx.
 
-Forms are compiled when first met and kept by FFCx on disk. Compilers are kept from the terminal:
-setuptools takes over the root logger as a side effect. What was compiled and how long it took is
-told to the logger `shellform`, which the command lines show and which says nothing elsewhere unless
-it is asked for.
+One tree runs on dolfinx 0.5.2 to 0.11. What a version has is found by name (`hasattr`, parameters
+of a function), not by number, so that releases between those tried fall on the right side.
 """
 
-import logging
-import time
+import inspect
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from mpi4py import MPI
 from petsc4py import PETSc
 
 import numpy as np
 
+import basix
 import dolfinx
 import ufl
 from dolfinx import cpp, fem, jit, la
@@ -29,68 +29,50 @@ from dolfinx.fem import petsc as fem_petsc
 from dolfinx.mesh import Mesh as Mesh
 from ufl.core.expr import Expr as Expr
 
+from .quiet_compiler import quiet_compiler
+
 VERSION = dolfinx.__version__
-LOG = logging.getLogger("shellform")
 # a rank that waits for another rank's compiler must not give up
 JIT = {"timeout": 600}
+release = tuple(int(n) for n in VERSION.split(".")[:3] if n.isdigit())
+if release < (0, 5, 2):
+    raise ImportError(f"dolfinx {VERSION} is too old for shellform, which needs 0.5.2 or newer")
+if release >= (0, 12):
+    warnings.warn(f"dolfinx {VERSION} is newer than those shellform was tried on", stacklevel=2)
+if PETSc.ScalarType is not np.float64:
+    raise ImportError(
+        "PETSc has complex numbers or single precision here; shellform needs the real build: "
+        "Debian's python3-dolfinx-real, PyPI's dolfinx-solver-real"
+    )
 
-pack_constants = cpp.fem.pack_constants
-pack_coefficients = cpp.fem.pack_coefficients
-# into an array (n, ) from packed constants and coefficients; allocates nothing
-assemble_packed = cpp.fem.assemble_vector
+_TO_COMPILE = inspect.signature(fem.form).parameters
+_OPTIONS = "jit_options" if "jit_options" in _TO_COMPILE else "jit_params"
+_TO_MAKE = inspect.signature(dolfinx.mesh.create_mesh).parameters
+
 # of the owned part into a Vec or Mat of PETSc
 assemble_vector = fem_petsc.assemble_vector
 assemble_matrix = fem_petsc.assemble_matrix
 create_matrix = fem_petsc.create_matrix
 
 
-# ---------------------------------------------------------------- compiled code
-
-
 def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
     """Compile tuples of UFL forms; all signatures first: compiling one changes those of others."""
+    jit_options: dict[str, Any] = {_OPTIONS: JIT | options}
     for form in (form for group in groups for form in group):
         form.signature()
-    with _compiler(sum(map(len, groups))):
-        return [
-            tuple(fem.form(form, jit_params=JIT | options) for form in group) for group in groups
-        ]
-
-
-@contextmanager
-def _compiler(forms: int = 0) -> Iterator[None]:
-    """Keep a compiler's words from the terminal, and say how long forms took, if any was new."""
-    root, disabled = logging.root, logging.root.manager.disable
-    before = root.level, root.handlers[:]
-    cached, start = _changed(), time.perf_counter()
-    logging.disable(logging.INFO)
-    try:
-        yield
-    finally:
-        logging.disable(disabled)
-        root.setLevel(before[0])
-        root.handlers[:] = before[1]
-    if forms and _changed() != cached:
-        LOG.info(
-            "compiled %d form%s of the finite elements in %.1f s; they are kept for the next run",
-            *(forms, "" if forms == 1 else "s", time.perf_counter() - start),
-        )
+    with quiet_compiler(_forms_folder(), sum(map(len, groups))):
+        return [tuple(fem.form(form, **jit_options) for form in group) for group in groups]
 
 
 def cache_folder() -> Path:
     """Folder of compiled C code other than forms, inside FFCx's."""
-    return Path(jit.get_parameters()["cache_dir"]) / "shellform"
+    return _forms_folder() / "shellform"
 
 
-def _changed() -> int | None:
-    """When a file came to or left FFCx's folder [ns]; None before there is one."""
-    try:
-        return jit.get_parameters()["cache_dir"].stat().st_mtime_ns
-    except FileNotFoundError:
-        return None
-
-
-# ---------------------------------------------------------------- meshes and fields
+def _forms_folder() -> Path:
+    """Folder of compiled forms."""
+    options = jit.get_options() if hasattr(jit, "get_options") else jit.get_parameters()
+    return Path(options["cache_dir"])
 
 
 def surface_mesh(
@@ -104,40 +86,56 @@ def surface_mesh(
     cells : (m, k) int, nodes in dolfinx's order; points : (n, 3) [m]; both as rank 0 has them
     """
     first = comm.rank == 0
-    element = ufl.VectorElement("Lagrange", ufl.Cell(kind, geometric_dimension=3), degree)
-    with _compiler():
-        return dolfinx.mesh.create_mesh(
-            comm,
-            cells if first else np.empty((0, cells.shape[1]), np.int64),
-            points if first else np.empty((0, 3)),
-            ufl.Mesh(element),
-            dolfinx.mesh.GhostMode.none,
-        )
+    given: dict[str, Any] = {
+        "cells": cells if first else np.empty((0, cells.shape[1]), np.int64),
+        "x": points if first else np.empty((0, 3)),
+        "e" if "e" in _TO_MAKE else "domain": ufl.Mesh(_element("Lagrange", kind, degree, 3)),
+    }
+    if "ghost_mode" in _TO_MAKE:
+        given["ghost_mode"] = dolfinx.mesh.GhostMode.none
+    with quiet_compiler(_forms_folder()):
+        return dolfinx.mesh.create_mesh(comm, **given)
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:
     """Space of fields with `width` components: 'Lagrange', or 'DG', one polynomial a cell."""
-    if family == "DG" and cell_name(mesh) == "quadrilateral" and degree:
-        family = "DQ"
-    element = ufl.VectorElement(family, mesh.ufl_cell(), degree, dim=width)
-    with _compiler():
-        return fem.FunctionSpace(mesh, element)
+    element = _element(family, cell_name(mesh), degree, width)
+    with quiet_compiler(_forms_folder()):
+        return getattr(fem, "functionspace", FunctionSpace)(mesh, element)
+
+
+def _element(family: str, kind: str, degree: int, width: int) -> Any:
+    """Element of UFL with `width` components on cells in 3-D."""
+    make = getattr(getattr(basix, "ufl", None), "element", None)
+    if make is None:
+        if family == "DG" and kind == "quadrilateral" and degree:
+            family = "DQ"
+        cell = ufl.Cell(kind, geometric_dimension=3)
+        return ufl.VectorElement(family, cell, degree, dim=width)
+    gdim = {"gdim": 3} if "gdim" in inspect.signature(make).parameters else {}
+    return make(family, kind, degree, shape=(width,), **gdim)
 
 
 def cell_name(mesh: Mesh) -> str:
     """'triangle' or 'quadrilateral'."""
-    return mesh.ufl_cell().cellname()
+    name = mesh.ufl_cell().cellname
+    return name() if callable(name) else name
 
 
 def cell_nodes(space: FunctionSpace) -> np.ndarray:
     """Local nodes (m, k) of the cells of this rank, in dolfinx's order."""
-    dofmap = space.dofmap
-    return dofmap.list.array.reshape(-1, dofmap.dof_layout.num_dofs)
+    return _table(space.dofmap.list, space.dofmap.dof_layout.num_dofs)
 
 
 def geometry_nodes(mesh: Mesh, width: int) -> np.ndarray:
     """Local points (m, width) of the geometry of the cells of this rank, which may have none."""
-    return mesh.geometry.dofmap.array.reshape(-1, width)
+    maps = getattr(mesh.geometry, "dofmaps", None)
+    return _table(maps[0] if isinstance(maps, list) else mesh.geometry.dofmap, width)
+
+
+def _table(rows: Any, width: int) -> np.ndarray:
+    """Rows (m, width) of a table, which was an adjacency list once; there may be none."""
+    return np.asarray(getattr(rows, "array", rows)).reshape(-1, width)
 
 
 def given_points(mesh: Mesh) -> np.ndarray:
@@ -150,19 +148,50 @@ def given_cells(mesh: Mesh) -> np.ndarray:
     return np.asarray(mesh.topology.original_cell_index)
 
 
-# ---------------------------------------------------------------- vectors
-
-
-def petsc_vector(space: FunctionSpace, width: int) -> PETSc.Vec:
-    """Vec with `width` numbers a node, ghosts included."""
-    return la.create_petsc_vector(space.dofmap.index_map, width)
-
-
 def petsc_view(field: Function) -> PETSc.Vec:
     """Vec that shares the values of a field."""
-    return field.vector
+    return field.vector if hasattr(field, "vector") else field.x.petsc_vec
 
 
 def add_ghosts(field: Function) -> None:
     """Add what ghosts have to the values of their owners."""
-    field.x.scatter_reverse(la.ScatterMode.add)
+    field.x.scatter_reverse((la.InsertMode if hasattr(la, "InsertMode") else la.ScatterMode).add)
+
+
+def pack_constants(form: Any) -> np.ndarray:
+    """Constants of a compiled form, in one array."""
+    return cpp.fem.pack_constants(_of_cpp(form))
+
+
+def pack_coefficients(form: Any) -> dict[Any, np.ndarray]:
+    """Values of the coefficients of a compiled form, a row a cell, by kind of integral."""
+    return cpp.fem.pack_coefficients(_of_cpp(form))
+
+
+def assemble_packed(
+    out: np.ndarray, form: Any, constants: np.ndarray, coefficients: dict[Any, np.ndarray]
+) -> None:
+    """Add a form to an array (n,) by constants and coefficients as packed; allocates nothing."""
+    cpp.fem.assemble_vector(out, _of_cpp(form), constants, coefficients)
+
+
+def _of_cpp(form: Any) -> Any:
+    """The form of C++, which older versions hand out as it is."""
+    return getattr(form, "_cpp_object", form)
+
+
+@contextmanager
+def exceptions_as_raised() -> Iterator[None]:
+    """Let exceptions of functions that PETSc calls back come out as they were raised.
+
+    petsc4py of PETSc 3.19 and newer hands out a PETSc.Error with the original as its cause.
+    """
+    original: BaseException | None = None
+    try:
+        yield
+    except PETSc.Error as error:
+        original = error
+        while isinstance(original, PETSc.Error) and original.__cause__ is not None:
+            original = original.__cause__
+    if original is not None:
+        raise original

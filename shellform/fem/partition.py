@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -70,6 +71,13 @@ class Partition:
         self.local_numbers = np.full(len(surface.points), -1, np.int64)
         self.local_numbers[self.nodes] = np.arange(self.n_local)
         self.directors = np.asarray(surface.directors)[self.nodes]
+
+    def petsc_vector(self, width: int) -> PETSc.Vec:
+        """Vec with `width` numbers a node, ghosts included."""
+        nodes = self.space.dofmap.index_map
+        size = width * nodes.size_local, width * nodes.size_global
+        ghosts = nodes.ghosts.astype(PETSc.IntType)
+        return PETSc.Vec().createGhost(ghosts, size=size, bsize=width, comm=self.comm)
 
     def find(self, where: Any) -> np.ndarray:
         """Surface node numbers, sorted, of a place in the garment.

@@ -20,7 +20,6 @@ from petsc4py import PETSc
 import numpy as np
 
 from shellform.fem import director
-from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.shell import Linearised, Shell
 
 from .roundoff import Roundoff
@@ -71,9 +70,9 @@ class Equilibrium:
         shell.rest()  # supports may have moved reference directors into their planes
         self.n, self.n_owned = partition.n_local, partition.n_owned
         self.length = partition.length
-        self.x = petsc_vector(shell.space, 5)
+        self.x = shell.partition.petsc_vector(5)
         self.F, self._direct = self.x.duplicate(), self.x.duplicate()
-        self.r6 = petsc_vector(shell.space, 6)
+        self.r6 = shell.partition.petsc_vector(6)
         self._lift6, self._product6 = self.r6.duplicate(), self.r6.duplicate()
         self.held = supports.held
         # axes of the nodes (n, 3, 3), None: those of the world

@@ -17,6 +17,8 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from shellform.fem.dolfinx_compat import exceptions_as_raised
+
 from .equilibrium import Equilibrium
 
 DEFAULTS = {
@@ -92,7 +94,8 @@ class Newton:
         eq.start(level)
         self._best: list[float] = []
         try:
-            self.snes.solve(None, eq.x)
+            with exceptions_as_raised():
+                self.snes.solve(None, eq.x)
             reason = self.snes.getConvergedReason()
         except PETSc.Error as error:
             if error.ierr != 76:  # an external library's failure: MUMPS on a singular matrix

@@ -11,7 +11,6 @@ import meshes
 from shellform import Shell
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.explicit_drift import drift
-from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.internal_force import InternalForce, by_segments
 from shellform.fem.lumped_mass import lumped, nodal_areas
 from tests.dynamics.test_explicit import ELEMENTS, FABRICS, sheet
@@ -57,7 +56,7 @@ def test_internal_force_equals_that_of_the_static_forms(element, fabric):
     w[:, :3] += 0.1 * np.sin(3 * X[:, [1, 2, 0]])
     w[:, 3:] += 0.1 * np.cos(4 * X)
     r = newmark_force(w)[: shell.partition.n_owned].copy()
-    vector = petsc_vector(shell.space, 6)
+    vector = shell.partition.petsc_vector(6)
     shell.internal_force(vector)
     vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     largest = shell.comm.allreduce(np.abs(r).max(), MPI.MAX)

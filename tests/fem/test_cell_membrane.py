@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import meshes
-from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.shell import Shell
 from shellform.material.fabric import Fabric
@@ -51,7 +50,7 @@ def move(shell, change):
 
 def force_of(shell):
     """Internal force as the weak form has it, owned nodes."""
-    vector = petsc_vector(shell.space, 6)
+    vector = shell.partition.petsc_vector(6)
     with vector.localForm() as local:
         local.set(0.0)
     shell.internal_force(vector)
@@ -84,7 +83,7 @@ def test_tangent_is_the_slope_of_the_force(wrinkles, comm):
     matrix = shell.create_tangent()
     shell.tangent(matrix)
     matrix.assemble()
-    x, product = petsc_vector(shell.space, 6), petsc_vector(shell.space, 6)
+    x, product = shell.partition.petsc_vector(6), shell.partition.petsc_vector(6)
     x.setArray(direction[shell.partition.owned_nodes].ravel())
     matrix.mult(x, product)
     h, forces = 1e-7, []

@@ -9,7 +9,6 @@ import pytest
 import meshes
 from shellform import Fabric, Ply, Shell
 from shellform.fem.director import rotation_matrix
-from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.statics.equilibrium import Equilibrium
 
 PLAIN = {"membrane": "chords", "curvature": "plain"}
@@ -160,7 +159,7 @@ def test_internal_force_is_the_derivative_of_the_energy(name):
     degree, triangles, options, fabric = FORMS[name]
     shell = Shell(dome(degree, triangles), fabric(), **options)
     deform(shell)
-    force = petsc_vector(shell.space, 6)
+    force = shell.partition.petsc_vector(6)
     shell.internal_force(force)
     force.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     rng = np.random.default_rng(3)

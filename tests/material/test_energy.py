@@ -13,7 +13,6 @@ from shellform import Fabric, FabricError, Shell
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.dynamics.mass_spring import Particles
-from shellform.fem.dolfinx_compat import petsc_vector
 from shellform.fem.internal_force import InternalForce
 from shellform.material.energy import StVenant, at_rest, check_law, quadratic
 from tests.fem.test_shell import deform, dome, owned
@@ -94,7 +93,7 @@ def make(request):
 
 def forces(shell, stress_from=None):
     """Owned nodal forces of statics (n, 6)."""
-    out = petsc_vector(shell.space, 6)
+    out = shell.partition.petsc_vector(6)
     shell.internal_force(out, stress_from=stress_from)
     return out.array.reshape(-1, 6).copy()
 
@@ -162,7 +161,7 @@ def test_explicit_force_is_that_of_statics(make):
     force = InternalForce(shell)
     assert force.quads is None  # the kernel of 4-node quads knows the default law only
     n = shell.partition.n_owned
-    out = petsc_vector(shell.space, 6)
+    out = shell.partition.petsc_vector(6)
     shell.internal_force(out)
     out.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
     wanted = out.array.reshape(-1, 6)
