@@ -222,6 +222,11 @@ class VelocityCorrection:
         set_friction(self._step, self._friction)
 
     @property
+    def segments(self) -> np.ndarray:
+        """Records (m,) SEGMENT of the body and its motion over the last step; to be read only."""
+        return self._segments
+
+    @property
     def start_pose(self) -> Pose:
         """Pose of the body at the start of the last step."""
         return self._start
