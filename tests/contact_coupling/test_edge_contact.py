@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Edges of cells on rods and blades that fit between nodes: they hold, with the weight, for good."""
+"""Edges of cells on rods and blades that fit between nodes: they hold, and bear the weight."""
 
 from mpi4py import MPI
 
