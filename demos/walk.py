@@ -32,8 +32,6 @@ starts in run_1, run_2, ...
 import argparse
 from pathlib import Path
 
-from mpi4py import MPI
-
 from shellform import console
 from shellform.accuracy.choice import accuracy_line
 from shellform.results.comparison import comparison_lines
@@ -47,7 +45,7 @@ from shellform.simulation.error_study import estimate
 from shellform.simulation.figures import dressing_frames
 from shellform.simulation.summary import summary_lines, summary_of
 
-COMM = MPI.COMM_WORLD
+COMM = console.COMM
 JOINT = "right_knee"
 # options that mend a capture
 WORDS = {
