@@ -18,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from shellform.console import progress
+from shellform.dressing.fit import BEARS, too_stretched
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.errors import Stopped, Unstable
@@ -91,7 +92,7 @@ def run(
             (out / name).unlink(missing_ok=True)
         write_scene(scene, out / "scene.toml")
         if lines:
-            print("\n".join(prediction_lines(model)), flush=True)
+            print("\n".join([*model.surface.notes, *prediction_lines(model)]), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
@@ -101,6 +102,8 @@ def run(
         save(out / "dressed.npz", model.stepper, model.wearer)
     if comm.rank == 0 and not fit["settled"]:
         print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
+    if comm.rank == 0 and fit["stretch"] > BEARS:
+        print(too_stretched(fit["stretch"]), flush=True)
     model.contact.reset()
     write_frame(model, series, np.zeros(3))
     recorders = Recorders(model, out)
