@@ -9,6 +9,7 @@ import numpy as np
 import meshes
 from shellform.fem.wrinkles import folds_resolved
 from shellform.material.sheet import Sheet
+from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
 
@@ -18,6 +19,7 @@ from .scene import Scene
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
 ASIDE, HIGHER = 0.05, 0.08  # a garment off its wearer's waist by more is moved there [m]
+HEM = 0.06  # height of the hems of trousers over the floor, at least [m]
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
 
 
@@ -81,12 +83,20 @@ def from_file(garment: Garment, waist_height: float) -> meshes.Surface:
         shift = np.array([-middle[0], -middle[1], waist_height - middle[2]])
         shift[:2] *= np.hypot(*shift[:2]) > ASIDE
         shift[2] *= abs(shift[2]) > HIGHER
+        # legs on the feet would be caught there and torn: the waist has some play
+        hems = [surface.edges[f"{side}_hem"] for side in SIDES if f"{side}_hem" in surface.edges]
+        if hems:
+            lowest = surface.points[np.concatenate(hems)[:, :2], 2].min() + shift[2]
+            lifted = shift[2] + HEM - lowest
+            if lowest < HEM - 0.01 and middle[2] + lifted - waist_height <= HIGHER:
+                shift[2] = lifted
         if shift.any():
             surface = surface.transform(translation=shift)
             found.append(f"moved by {np.round(shift, 3).tolist()} m to the wearer's waist")
     if not found:
         return surface
-    note = f"{surface.source}: {'; '.join(found)} (otherwise by turn_deg, place_m, waist under [garment])."
+    said = "; ".join(found)
+    note = f"{surface.source}: {said} (otherwise by turn_deg, place_m, waist under [garment])."
     return surface.replace(notes=(*surface.notes, note))
 
 
