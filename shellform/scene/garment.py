@@ -3,6 +3,7 @@
 
 import warnings
 from inspect import signature
+from pathlib import Path
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     height, middle, heading = stance(wearer)
     if scene.garment.file is not None:
         waist = waist_height(wearer) - middle[2] + height
-        surface = from_file(scene.garment, waist)
+        surface = from_file(scene.garment, scene.garment.file, waist)
     else:
         waist = waist_height(wearer) - middle[2] + height
         surface = made_by_measures(scene.garment, pattern, scene.cell_size, height, waist)
@@ -46,7 +47,7 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     return surface
 
 
-def from_file(garment: Garment, waist_height: float) -> meshes.Surface:
+def from_file(garment: Garment, file: str | Path, waist_height: float) -> meshes.Surface:
     """The garment of a file, upright over the floor, its waist as high as the wearer's [m].
 
     It is turned and moved as the scene says, or, where it says nothing, as its shape tells; what
@@ -56,9 +57,10 @@ def from_file(garment: Garment, waist_height: float) -> meshes.Surface:
         # they are among the notes, which `check` and `run` print
         warnings.simplefilter("ignore")
         surface = meshes.load(
-            garment.file, garment.unit, weld=garment.weld, midsurface=garment.midsurface
+            file, garment.unit, weld=garment.weld, midsurface=garment.midsurface
         )
-    waist, found = garment.waist, []
+    waist = garment.waist
+    found: list[str] = []
     if garment.turn is not None:
         x, y, z = (rotation_about(axis, a) for axis, a in enumerate(garment.turn))
         surface = surface.transform(rotation=z @ y @ x)
