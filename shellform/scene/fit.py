@@ -64,7 +64,8 @@ def check_fit(surface: meshes.Surface, wearer: Wearer) -> None:
             raise ValueError(
                 f"the {side} hem of {surface.source} does not enclose the wearer's {side} leg at "
                 f"{np.round(pose.centres[k, :2], 3).tolist()} m: give the garment or the stance "
-                "another width, or turn it (turn_deg under [garment]; x is forward, y left, z up)"
+                "another width (a sleeve is no leg), or turn it (turn_deg under [garment]; x is "
+                "forward, y left, z up)"
             )
     places, closed = [("hips", "pelvis", np.ones(len(surface.cells), bool))], np.inf
     if {"right_hem", "left_hem"} <= set(surface.edges):

@@ -3,12 +3,14 @@
 
 import warnings
 from inspect import signature
+from pathlib import Path
 
 import numpy as np
 
 import meshes
 from shellform.fem.wrinkles import folds_resolved
 from shellform.material.sheet import Sheet
+from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
 
@@ -18,6 +20,7 @@ from .scene import Scene
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
 ASIDE, HIGHER = 0.05, 0.08  # a garment off its wearer's waist by more is moved there [m]
+HEM = 0.06  # height of the hems of trousers over the floor, at least [m]
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
 
 
@@ -33,7 +36,7 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     height, middle, heading = stance(wearer)
     if scene.garment.file is not None:
         waist = waist_height(wearer) - middle[2] + height
-        surface = from_file(scene.garment, waist)
+        surface = from_file(scene.garment, scene.garment.file, waist)
     else:
         waist = waist_height(wearer) - middle[2] + height
         surface = made_by_measures(scene.garment, pattern, scene.cell_size, height, waist)
@@ -44,7 +47,7 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     return surface
 
 
-def from_file(garment: Garment, waist_height: float) -> meshes.Surface:
+def from_file(garment: Garment, file: str | Path, waist_height: float) -> meshes.Surface:
     """The garment of a file, upright over the floor, its waist as high as the wearer's [m].
 
     It is turned and moved as the scene says, or, where it says nothing, as its shape tells; what
@@ -54,9 +57,10 @@ def from_file(garment: Garment, waist_height: float) -> meshes.Surface:
         # they are among the notes, which `check` and `run` print
         warnings.simplefilter("ignore")
         surface = meshes.load(
-            garment.file, garment.unit, weld=garment.weld, midsurface=garment.midsurface
+            file, garment.unit, weld=garment.weld, midsurface=garment.midsurface
         )
-    waist, found = garment.waist, []
+    waist = garment.waist
+    found: list[str] = []
     if garment.turn is not None:
         x, y, z = (rotation_about(axis, a) for axis, a in enumerate(garment.turn))
         surface = surface.transform(rotation=z @ y @ x)
@@ -81,13 +85,20 @@ def from_file(garment: Garment, waist_height: float) -> meshes.Surface:
         shift = np.array([-middle[0], -middle[1], waist_height - middle[2]])
         shift[:2] *= np.hypot(*shift[:2]) > ASIDE
         shift[2] *= abs(shift[2]) > HIGHER
+        # legs on the feet would be caught there and torn: the waist has some play
+        hems = [surface.edges[f"{side}_hem"] for side in SIDES if f"{side}_hem" in surface.edges]
+        if hems:
+            lowest = surface.points[np.concatenate(hems)[:, :2], 2].min() + shift[2]
+            lifted = shift[2] + HEM - lowest
+            if lowest < HEM - 0.01 and middle[2] + lifted - waist_height <= HIGHER:
+                shift[2] = lifted
         if shift.any():
             surface = surface.transform(translation=shift)
             found.append(f"moved by {np.round(shift, 3).tolist()} m to the wearer's waist")
     if not found:
         return surface
-    keys = "(otherwise by turn_deg, place_m, waist under [garment])."
-    note = f"{surface.source}: {'; '.join(found)} {keys}"
+    said = "; ".join(found)
+    note = f"{surface.source}: {said} (otherwise by turn_deg, place_m, waist under [garment])."
     return surface.replace(notes=(*surface.notes, note))
 
 
