@@ -18,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from shellform.console import progress
+from shellform.dressing.fit import BEARS, too_stretched
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.errors import Stopped, Unstable
@@ -94,7 +95,9 @@ def run(
         write_scene(scene, out / "scene.toml")
         if lines:
             told = [] if scene.motion.file == "synthetic" else motion_lines(model)
-            print("\n".join([*told, *prediction_lines(model)]), flush=True)
+            told += model.surface.notes
+            print("
+".join([*told, *prediction_lines(model)]), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
@@ -104,6 +107,8 @@ def run(
         save(out / "dressed.npz", model.stepper, model.wearer)
     if comm.rank == 0 and not fit["settled"]:
         print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
+    if comm.rank == 0 and fit["stretch"] > BEARS:
+        print(too_stretched(fit["stretch"]), flush=True)
     model.contact.reset()
     write_frame(model, series, np.zeros(3))
     recorders = Recorders(model, out)
