@@ -96,8 +96,7 @@ def run(
         if lines:
             told = [] if scene.motion.file == "synthetic" else motion_lines(model)
             told += model.surface.notes
-            print("
-".join([*told, *prediction_lines(model)]), flush=True)
+            print("\n".join([*told, *prediction_lines(model)]), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
