@@ -86,7 +86,8 @@ def from_file(garment: Garment, waist_height: float) -> meshes.Surface:
             found.append(f"moved by {np.round(shift, 3).tolist()} m to the wearer's waist")
     if not found:
         return surface
-    note = f"{surface.source}: {'; '.join(found)} (otherwise by turn_deg, place_m, waist under [garment])."
+    keys = "(otherwise by turn_deg, place_m, waist under [garment])."
+    note = f"{surface.source}: {'; '.join(found)} {keys}"
     return surface.replace(notes=(*surface.notes, note))
 
 

@@ -98,6 +98,6 @@ def test_gmsh_without_its_libraries_is_one_sentence(tmp_path):
     (tmp_path / "gmsh.py").write_text("raise OSError('libGLU.so.1: cannot open shared object')\n")
     script = "from meshes.gmsh_model import gmsh_model\ntry:\n    gmsh_model().__enter__()\n"
     script += "except ImportError as error:\n    print(error)\n"
-    path = os.pathsep.join([str(tmp_path), str(ROOT), OUTSIDE.get("PYTHONPATH", "")])
+    path = os.pathsep.join([str(tmp_path), str(ROOT), outside().get("PYTHONPATH", "")])
     said = run("-c", script, cwd=tmp_path, PYTHONPATH=path).splitlines()
     assert len(said) == 1 and "libGLU.so.1" in said[0] and "apt-get install" in said[0]
