@@ -63,7 +63,8 @@ def upright(surface: Surface, waist: np.ndarray) -> tuple[np.ndarray, list[str]]
     """
     points = surface.points
     hems = [loop for loop in openings(surface) if not np.array_equal(np.sort(loop), np.sort(waist))]
-    turn, found = np.eye(3), []
+    turn = np.eye(3)
+    found: list[str] = []
     if not hems:
         return turn, found
     middles = [points[loop].mean(axis=0) for loop in hems]
