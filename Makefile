@@ -1,26 +1,31 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # Every target prepares what it needs; `make` alone lists them.
 
-PYTHON := .venv/bin/python
+# Another venv, and what goes into it: make test VENV=.venv-wheel WITH=wheel
+VENV ?= .venv
+export VENV WITH
+PYTHON := $(VENV)/bin/python
+# Of the same MPI as mpi4py, with its flags; setup leaves it there.
+MPIRUN := $(VENV)/bin/mpirun
 # One thread a rank: BLAS threads only get in each other's way here.
 export OMP_NUM_THREADS := 1
-# Containers run as root; Open MPI asks twice.
-export OMPI_ALLOW_RUN_AS_ROOT := 1
-export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM := 1
-# Ranks may outnumber the cores, and share them with other programs: who waits steps aside.
-export OMPI_MCA_mpi_yield_when_idle := 1
-MPIRUN := mpirun --oversubscribe --bind-to none
 
 # mpirun gives its ranks a terminal even where there is none.
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
+# Roll-up, drape, a short walk; ranks; director, shell, statics, Newmark's steps; the platform itself.
+SLICE := tests/demos/test_demos.py tests/simulation/test_run.py tests/test_parallel.py \
+  tests/test_launcher.py tests/platform tests/fem/test_dolfinx_compat.py tests/fem/test_director.py \
+  tests/fem/test_shell.py tests/statics/test_load_stepping.py tests/statics/test_supports.py \
+  tests/statics/test_loads.py tests/dynamics/test_explicit.py tests/dynamics/test_implicit.py
+
 .DEFAULT_GOAL := help
-.PHONY: help setup roll-up drape walk docs test test-plain lint clean
+.PHONY: help setup roll-up drape walk docs test test-slice test-plain lint clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
 
-setup: ## install what is missing (Debian 12), make .venv
+setup: ## make .venv with the dolfinx that is here; WITH=active, apt or wheel picks one
 	@.ci/setup
 
 roll-up: setup ## roll a strip up into a circle by an end moment; result in out/roll_up
@@ -40,11 +45,28 @@ docs: setup ## pages of docs/ with the gallery, links checked; result in docs/_b
 	$(PYTHON) -m sphinx -b html -E -W --keep-going -n -q docs docs/_build/html
 	@echo "wrote docs/_build/html/index.html"
 
-test: setup ## all tests on 1 rank, then on 2
+ifeq ($(PLATFORM),)
+test: setup ## all tests on 1 rank, then on 2; PLATFORM=wheel or debian13 for those of another one
 	@status=0; \
 	$(PYTEST) -n 2 --dist loadfile || status=1; \
 	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow" || status=1; \
 	exit $$status
+
+test-slice: setup ## tests that meet dolfinx, MPI and numpy most; PLATFORM as for test
+	@status=0; \
+	$(PYTEST) -n 2 --dist loadfile $(SLICE) || status=1; \
+	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow" $(SLICE) || status=1; \
+	exit $$status
+else ifeq ($(PLATFORM),wheel)
+test test-slice:
+	@$(MAKE) --no-print-directory $@ PLATFORM= VENV=.venv-wheel WITH=wheel
+else ifeq ($(PLATFORM),debian13)
+test test-slice:
+	@.ci/debian13 $@
+else
+test test-slice:
+	@echo "PLATFORM=$(PLATFORM) is unknown: wheel or debian13" >&2; exit 2
+endif
 
 # Test results may not hang on the processor: nothing of this one but what all of 2009 have.
 test-plain: export SHELLFORM_CFLAGS := -march=x86-64-v2
@@ -56,9 +78,9 @@ test-plain: setup ## all tests on 1 rank, compiled for any x86-64 processor of v
 lint: setup ## ruff: rules and layout; import-linter: which room may import which
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
-	.venv/bin/lint-imports --no-logo
+	$(VENV)/bin/lint-imports --no-logo
 	$(PYTHON) -m mypy
 
 clean: ## remove results and caches of the tools; .venv stays
 	rm -rf out build dist docs/_build docs/gallery_pages docs/api/rooms .pytest_cache .ruff_cache
-	find . -name __pycache__ -not -path './.venv/*' -type d -exec rm -rf {} +
+	find . -name __pycache__ -not -path './.venv*' -type d -exec rm -rf {} +

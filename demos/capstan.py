@@ -28,8 +28,6 @@ prints a table and leaves summary.json in the folder.
 import argparse
 import time
 
-from mpi4py import MPI
-
 import numpy as np
 
 import meshes
@@ -42,7 +40,7 @@ from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
 
-COMM = MPI.COMM_WORLD
+COMM = console.COMM
 WIDTH, TAIL, HELD, SPEED = 0.02, 0.15, 2.0, 0.1  # m, m, N, m/s
 RAMP, BEFORE, WINDOW = 0.05, 0.3, 0.02  # s: until the full speed; until all slides; of a mean
 DAMPING, DRAG = 5e-5, 5.0  # s, 1/s

@@ -35,8 +35,6 @@ import argparse
 import copy
 from dataclasses import dataclass
 
-from mpi4py import MPI
-
 import numpy as np
 
 import meshes
@@ -53,7 +51,7 @@ from shellform.results.ledger import Ledger
 from shellform.results.report import Report
 from shellform.results.series import Series
 
-COMM = MPI.COMM_WORLD
+COMM = console.COMM
 G = 9.81
 
 
@@ -246,7 +244,7 @@ def fall_freely(options, stepper, report, later=None):
             shell = fall.stepper.shell
             series.write(shell, time)
             fall.frames.append((shell.positions(), shell.directors()))
-            depth = COMM.allreduce(fall.contact.max_depth, MPI.MAX)
+            depth = max(COMM.allgather(fall.contact.max_depth))
             fall.deepest = max(fall.deepest, depth)
     fall.steps += fall.stepper.steps
     report.shift(fall.contact.seconds, "solve", "contact")

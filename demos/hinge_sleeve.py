@@ -28,8 +28,6 @@ prints a table and leaves summary.json, torque.csv of the last run and hinge_sle
 import argparse
 import time
 
-from mpi4py import MPI
-
 import numpy as np
 
 import meshes
@@ -46,7 +44,7 @@ from shellform.results.joint_torque import Torque
 from shellform.results.ledger import Ledger
 from shellform.results.report import Report
 
-COMM = MPI.COMM_WORLD
+COMM = console.COMM
 LENGTH, APART = 0.3, 0.1  # m: semi-axis along the limb; from the knee to an ellipsoid's middle
 REST, HALF = 0.055 / 0.06, 0.06  # radius of the sleeve over the limb's; half its length, m
 STILL, WINDOWS = 0.05, 60  # s, to settle; rows a cycle

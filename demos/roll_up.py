@@ -26,8 +26,6 @@ prints a table and leaves summary.json, roll_up.png and a series for ParaView in
 import argparse
 import time
 
-from mpi4py import MPI
-
 import numpy as np
 
 import meshes
@@ -38,7 +36,7 @@ from shellform.accuracy.measured import seconds, tricks
 from shellform.results.report import Report
 from shellform.results.series import Series
 
-COMM = MPI.COMM_WORLD
+COMM = console.COMM
 FAMILIES = ("quads", "nine-node quads")  # by degree
 STEPS = 20  # load steps a turn
 STRETCH = 1 / 6  # of (kappa t)^2, measured with 64 cells for t/L from 1/240 to 1/60

@@ -33,8 +33,6 @@ import time
 from itertools import pairwise
 from typing import NamedTuple
 
-from mpi4py import MPI
-
 import numpy as np
 from scipy.integrate import solve_ivp, trapezoid
 from scipy.optimize import brentq
@@ -49,7 +47,7 @@ from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.report import Report
 
-COMM = MPI.COMM_WORLD
+COMM = console.COMM
 GRAVITY, WIDTH, WINDOW = 9.81, 0.02, 0.05  # m/s^2, m, s
 
 
@@ -203,7 +201,7 @@ def measure(exact, stepper, contact, until=2.0):
     mean = trapezoid(total - exact.pushed(angles), angles)  # the sum of angle times force
     middle = 0.5 * (phi[1:] + phi[:-1])
     error = np.abs(np.cumsum(push)[:-1] - exact.pushed(middle)) / total
-    speed = shell.comm.allreduce(np.abs(stepper.v).max(), op=MPI.MAX)
+    speed = max(shell.comm.allgather(np.abs(stepper.v).max()))
     return {
         "tip": np.linalg.norm(nodes[-1] - exact.tip) / scene.length,
         "angle": phi[push > 1e-6 * push.max()].max() - exact.angle,

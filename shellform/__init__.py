@@ -14,6 +14,10 @@ used, so that reading a fabric card or drawing a picture does not start the fini
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from . import writable_folders
+from .all_ranks import watch_exceptions
+from .launcher import refuse_another
+
 if TYPE_CHECKING:
     from contact.body.segments import Body, Fixed, Segment
     from contact.solver.friction import Friction
@@ -109,6 +113,10 @@ _HOMES = {
     "strides": "shellform.motion.gait.strides",
     "synthetic_walk": "shellform.motion.gait.synthetic_walk",
 }
+
+refuse_another()
+writable_folders.NOTES += writable_folders.provide()
+watch_exceptions()
 
 
 def __getattr__(name: str) -> Any:

@@ -30,8 +30,11 @@ fabric = "compliant"        # or "stiff", a card.toml, or a table as in a card
 belt_N = 20                 # tension of the belt; 0 for none
 
 [motion]
-file = "synthetic"          # or a capture: walk.c3d, walk.trc, walk.csv
+file = "synthetic"          # or a capture: walk.c3d, walk.trc, walk.csv, walk.bvh
+# static = "standing.trc"   # static trial, with markers that are taken off for the walk
 # map = "..."               # segment map of its markers, where none fits by itself
+# unit = "mm"               # and up = "z": of the capture, where it does not tell
+# max_gap_s = 0.1           # longest gap of a marker that is filled
 # start_s = 0.0             # part of the capture to use
 # end_s = 2.0
 obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for none

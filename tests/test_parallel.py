@@ -4,20 +4,13 @@
 This file is also the program that the ranks run: `python test_parallel.py NAME OUT.npz`.
 """
 
-import os
-import shutil
-import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import meshes
-
-ROOT = Path(__file__).resolve().parents[1]
-# A cold cache compiles four elements' forms; warm, each run takes about two seconds.
-PATIENCE = 600
+from tests.ranks import launch, needs_mpirun
 
 
 def distorted_sheet(degree=1, triangles=False):
@@ -110,27 +103,6 @@ def run(name, path):
         np.savez(path, u=u, d=d, energy=energy, iterations=iterations, ranks=MPI.COMM_WORLD.size)
 
 
-def launch(ranks, *command, timeout=PATIENCE):
-    """Run a Python program on ranks; returns the completed process."""
-    environment = {
-        # a rank launched by a program under MPI must not take itself for one of its ranks
-        **{k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PMI_"))},
-        "OMP_NUM_THREADS": "1",
-        # more ranks than idle cores: a waiting rank lets the others work
-        "OMPI_MCA_mpi_yield_when_idle": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    }
-    mpirun = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
-    words = [*(mpirun if ranks > 1 else []), sys.executable, *map(str, command)]
-    return subprocess.run(
-        words, cwd=ROOT, capture_output=True, text=True, timeout=timeout, env=environment
-    )
-
-
-needs_mpirun = pytest.mark.skipif(shutil.which("mpirun") is None, reason="mpirun is not installed")
-
-
 @needs_mpirun
 @pytest.mark.serial
 @pytest.mark.slow
@@ -169,6 +141,29 @@ def test_a_failing_rank_ends_the_run(tmp_path):
     done = launch(2, "-m", "mpi4py", script)
     assert done.returncode != 0
     assert "rank 1 gives up" in done.stderr
+
+
+@needs_mpirun
+@pytest.mark.serial
+@pytest.mark.parametrize("fault", ["1 / 0", "raise KeyboardInterrupt", "class E(BaseException): 0"])
+@pytest.mark.parametrize("use", ["import shellform", "from shellform import Shell"])
+def test_a_failing_rank_of_a_plain_script_ends_the_run(use, fault, tmp_path):
+    """Whoever imports shellform needs no `-m mpi4py`; what was a hook before still has its say."""
+    script = tmp_path / "fails.py"
+    script.write_text(
+        "import sys\n"
+        "from mpi4py import MPI\n"
+        "sys.excepthook = lambda kind, error, trace: print('seen:', kind.__name__)\n"
+        f"{use}\n"
+        "world = MPI.COMM_WORLD\n"
+        "if world.rank == 1:\n"
+        f"    {fault}\n"
+        "    raise E('out')\n"
+        "world.Barrier()\n"
+    )
+    done = launch(2, script, timeout=60)
+    assert done.returncode not in (0, None)
+    assert done.stdout.count("seen: ") == 1
 
 
 @needs_mpirun

@@ -29,6 +29,7 @@ from dolfinx.fem import petsc as fem_petsc
 from dolfinx.mesh import Mesh as Mesh
 from ufl.core.expr import Expr as Expr
 
+from .killed_compile import compiles
 from .quiet_compiler import quiet_compiler
 
 VERSION = dolfinx.__version__
@@ -60,7 +61,7 @@ def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
     jit_options: dict[str, Any] = {_OPTIONS: JIT | options}
     for form in (form for group in groups for form in group):
         form.signature()
-    with quiet_compiler(_forms_folder(), sum(map(len, groups))):
+    with quiet_compiler(_forms_folder(), compiles(groups), sum(map(len, groups))):
         return [tuple(fem.form(form, **jit_options) for form in group) for group in groups]
 
 
@@ -93,14 +94,14 @@ def surface_mesh(
     }
     if "ghost_mode" in _TO_MAKE:
         given["ghost_mode"] = dolfinx.mesh.GhostMode.none
-    with quiet_compiler(_forms_folder()):
+    with quiet_compiler(_forms_folder(), first):
         return dolfinx.mesh.create_mesh(comm, **given)
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:
     """Space of fields with `width` components: 'Lagrange', or 'DG', one polynomial a cell."""
     element = _element(family, cell_name(mesh), degree, width)
-    with quiet_compiler(_forms_folder()):
+    with quiet_compiler(_forms_folder(), mesh.comm.rank == 0):
         return getattr(fem, "functionspace", FunctionSpace)(mesh, element)
 
 

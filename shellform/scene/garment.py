@@ -56,9 +56,7 @@ def from_file(garment: Garment, file: str | Path, waist_height: float) -> meshes
     with warnings.catch_warnings():
         # they are among the notes, which `check` and `run` print
         warnings.simplefilter("ignore")
-        surface = meshes.load(
-            file, garment.unit, weld=garment.weld, midsurface=garment.midsurface
-        )
+        surface = meshes.load(file, garment.unit, weld=garment.weld, midsurface=garment.midsurface)
     waist = garment.waist
     found: list[str] = []
     if garment.turn is not None:

@@ -14,8 +14,9 @@ def with_unit(default: Any, unit: str) -> Any:
 class Motion:
     """A captured motion, or the synthetic walk of `shellform.motion.gait.synthetic_walk`.
 
-    file : 'synthetic' or a C3D, TRC or CSV file; map : name or file of a segment map, None: the one
-    that fits; unit, up : of the file, where it does not tell; cutoff : of the low-pass [Hz];
+    file : 'synthetic' or a C3D, TRC, CSV or BVH file; static : file of a static trial with markers
+    that are taken off for the walk; map : name or file of a segment map, None: the one that fits;
+    unit, up : of the files, where they do not tell; cutoff : of the low-pass [Hz];
     max_gap : longest gap filled [s]; start, end : part of the recording used [s]; initiation : time
     from standing into its first frame [s], None: 1 s, or longer as joints need; strides, obstacle
     (height [m], 0 for none) : of the synthetic walk.
@@ -29,6 +30,7 @@ class Motion:
     """
 
     file: str | Path = "synthetic"
+    static: str | Path | None = None
     map: str | Path | None = None
     unit: str | None = None
     up: str | None = None

@@ -33,7 +33,7 @@ from .parts import PARTS
 from .scene import Scene
 
 # what may be a file, relative to that of the scene
-FILES = (("motion", "file"), ("motion", "map"), ("garment", "file"))
+FILES = (("motion", "file"), ("motion", "static"), ("motion", "map"), ("garment", "file"))
 
 
 def key_of(item: Field) -> str:
@@ -59,8 +59,8 @@ def read_scene(path: str | Path) -> Scene:
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file; `shellform new {path}` writes a scene")
     try:
-        # some editors put a mark of the byte order in front
-        data = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        # editors on Windows put a byte-order mark first
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path}: not a TOML file: {error}") from None
     return scene_from(data, str(path), path.parent)
@@ -68,7 +68,7 @@ def read_scene(path: str | Path) -> Scene:
 
 def _is_file(key, path):
     """A map may be a name; what else names a file is told to be missing where it is read."""
-    return key == "file" or path.is_file()
+    return key in ("file", "static") or path.is_file()
 
 
 def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Path()) -> Scene:

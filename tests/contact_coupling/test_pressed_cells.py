@@ -13,7 +13,7 @@ from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
-from tests.test_parallel import launch, needs_mpirun
+from tests.ranks import launch, needs_mpirun
 
 FLESH = 2e5  # Pa/m
 RADII = [0.5, 0.5, 0.1]

@@ -2,35 +2,20 @@
 """Demos and the README's scripts run as a user runs them, on one rank and on two."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.ranks import launch
+
 ROOT = Path(__file__).resolve().parents[2]
-# without what MPI has put there for this process
-OUTSIDE = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PMI_"))}
-ENVIRONMENT = OUTSIDE | {
-    "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    "OMP_NUM_THREADS": "1",
-    "OMPI_MCA_mpi_yield_when_idle": "1",
-}
 pytestmark = pytest.mark.serial
 
 
-def run(*arguments, ranks=1, cwd=ROOT):
-    command = [sys.executable, *map(str, arguments)]
-    if ranks > 1:
-        launcher = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
-        command = launcher + command
-    return subprocess.run(
-        command, cwd=cwd, env=ENVIRONMENT, capture_output=True, text=True, timeout=600, check=False
-    )
+def run(*words, ranks=1, cwd=ROOT):
+    return launch(ranks, *words, cwd=cwd)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

@@ -10,7 +10,6 @@ A comment before a block says what is done with it, else Python is run and comma
     <!-- block: scene NAME -->       the same, and it is read as a scene
 """
 
-import os
 import re
 import shlex
 import subprocess
@@ -26,6 +25,7 @@ import meshes
 import shellform
 from shellform.__main__ import parser
 from shellform.scene.scene_file import read_scene
+from tests.ranks import outside
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -36,7 +36,6 @@ FENCE = re.compile(
     r"(?:<!-- block: (?P<marker>[^\n]*?) -->\n)?^```(?P<language>\S*)[^\n]*\n(?P<text>.*?)^```$",
     re.S | re.M,
 )
-OUTSIDE = {k: v for k, v in os.environ.items() if not k.startswith(("OMPI_", "PMIX_", "PMI_"))}
 
 pytestmark = pytest.mark.serial
 
@@ -124,7 +123,7 @@ def help_of(*program):
     done = subprocess.run(
         [sys.executable, *program, "-h"],
         cwd=ROOT,
-        env=OUTSIDE,
+        env=outside(),
         capture_output=True,
         text=True,
         check=False,
@@ -143,7 +142,7 @@ def parse_arguments(program, arguments):
 
 def parse(words):
     """Refuse a command that would be refused; nothing is computed."""
-    if words[0] == "mpirun":
+    if words[0].endswith("mpirun"):
         words = words[words.index("python") :]
     program, *rest = words
     program = program.removeprefix(".venv/bin/")
@@ -168,7 +167,7 @@ def run(words, more, folder):
     words = [sys.executable if w == "python" else w for w in words]
     words = [str(ROOT / w) if w.startswith("demos/") else w for w in words]
     done = subprocess.run(
-        [*words, *more], cwd=folder, env=OUTSIDE, capture_output=True, text=True, check=False
+        [*words, *more], cwd=folder, env=outside(), capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
 

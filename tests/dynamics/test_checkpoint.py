@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A run stopped and started again goes on as if it had not been stopped."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +12,7 @@ from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
+from tests.ranks import launch, needs_mpirun
 
 
 def scene(cells=8, samples="nodes"):
@@ -121,6 +119,7 @@ else:
 """
 
 
+@needs_mpirun
 @pytest.mark.serial
 def test_goes_on_with_any_number_of_ranks(tmp_path):
     """Stopped on 2 ranks, gone on with 1, 2 and 3: 1e-8 after 200 steps that let roundoff grow."""
@@ -128,15 +127,7 @@ def test_goes_on_with_any_number_of_ranks(tmp_path):
     script.write_text(SCRIPT.format(tests=Path(__file__).resolve().parents[2]))
 
     def run(ranks, *arguments):
-        own = ("OMPI_", "PMIX_", "PMI_")  # what MPI has put there for this process
-        environment = {k: v for k, v in os.environ.items() if not k.startswith(own)} | {
-            "OMPI_ALLOW_RUN_AS_ROOT": "1",
-            "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-            "OMPI_MCA_mpi_yield_when_idle": "1",
-        }
-        command = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
-        command += [sys.executable, str(script), *map(str, arguments)]
-        subprocess.run(command, env=environment, check=True, timeout=300)
+        launch(ranks, script, *arguments).check_returncode()
 
     run(2, "start", tmp_path / "c.npz")
     results = []

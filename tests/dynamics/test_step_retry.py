@@ -15,7 +15,7 @@ from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.state import changing
 from shellform.errors import Unstable
 from shellform.results.ledger import Ledger
-from tests.test_parallel import launch, needs_mpirun
+from tests.ranks import launch, needs_mpirun
 
 CLOTH = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "thickness": 1e-3, "density": 200.0}
 G = 9.81

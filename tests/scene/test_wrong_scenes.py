@@ -71,7 +71,7 @@ WRONG = {
         ("good.trc", "kneecap.toml", "R.Cap", "rename it, or write a map"),
     ),
     "column of NaN": (of_capture("nan.csv"), ("nan.csv", "'R.Knee' holds no numbers", "fill it")),
-    "mm taken for m": (of_capture("unit.trc"), ("unit.trc", "'m'", "m", "pass unit='mm'")),
+    "mm taken for m": (of_capture("unit.trc"), ("unit.trc", "'m'", "m", 'pass unit = "mm"')),
     "gap too long": (
         of_capture("gap.csv"),
         ("gap.csv", "'R.Knee'", "t = 1.000 s", "0.300 s", "max_gap = 0.1 s", "raise max_gap"),
@@ -196,7 +196,7 @@ def test_command_ends_with_the_sentence(name, do, tmp_path, capsys, monkeypatch)
 @pytest.mark.serial
 def test_other_commands_that_cannot_be(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "ezc3d", None)
-    (tmp_path / "walk.c3d").write_bytes(bytes(1024))
+    (tmp_path / "walk.c3d").write_bytes(b"\x02\x50" + bytes(1022))
     (tmp_path / "capture.toml").write_text('[motion]\nfile = "walk.c3d"')
     (tmp_path / "scene.toml").write_text("")
     for words, arguments in {

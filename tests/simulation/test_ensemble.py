@@ -25,8 +25,8 @@ from shellform.simulation import members
 from shellform.simulation.ensemble import compare_runs, counted_courses, resume, run
 from shellform.simulation.members import APART, Member, group_of, members_of, offset, play_all
 from tests.dressing.test_dress import dressed
+from tests.ranks import launch, needs_mpirun
 from tests.simulation.short_walk import JOINTS, WALK
-from tests.test_parallel import launch, needs_mpirun
 
 pytestmark = pytest.mark.serial
 COMM = MPI.COMM_SELF

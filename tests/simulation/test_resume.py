@@ -16,8 +16,8 @@ from shellform.__main__ import main
 from shellform.scene.scene_file import write_scene
 from shellform.scene.wearer import wearer_of
 from tests.dressing.test_dress import dressed
+from tests.ranks import launch, needs_mpirun
 from tests.simulation.short_walk import WALK, contact_forces, table, torques
-from tests.test_parallel import launch, needs_mpirun
 
 PATIENCE = 300  # seconds for a program that compiles first
 

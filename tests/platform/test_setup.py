@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Set-up picks the dolfinx that is there, says why, and leaves an mpirun that belongs to it."""
+
+import os
+import shutil
+import subprocess
+import sys
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+
+import pytest
+
+from tests.ranks import MPIRUN, ROOT, launch, needs_mpirun
+
+pytestmark = pytest.mark.serial
+
+TOOLS = "bash env awk grep head tail sed sort uname cat dirname dpkg-query".split()
+SYSTEMS = {
+    "debian 11": "ID=debian\nVERSION_ID=11\nPRETTY_NAME='Debian 11'\n",
+    "debian 12": "ID=debian\nVERSION_ID=12\nPRETTY_NAME='Debian 12'\n",
+    "debian sid": "ID=debian\nPRETTY_NAME='Debian sid'\n",
+    "ubuntu 22.04": "ID=ubuntu\nVERSION_ID=22.04\nPRETTY_NAME='Ubuntu 22.04'\n",
+    "ubuntu 24.04": "ID=ubuntu\nVERSION_ID=24.04\nPRETTY_NAME='Ubuntu 24.04'\n",
+    "ubuntu 26.04": "ID=ubuntu\nVERSION_ID=26.04\nPRETTY_NAME='Ubuntu 26.04'\n",
+    "fedora": "ID=fedora\nVERSION_ID=42\nPRETTY_NAME='Fedora 42'\n",
+}
+# Pythons that answer the question for dolfinx, and that for a version from 3.12 on
+HAS_DOLFINX = 'case "$2" in *mpi4py*) echo "0.10.0 own" ;; *) exit 1 ;; esac'
+COMPLEX = 'echo "has PETSc with numbers of type complex128, not float64" >&2; exit 1'
+NEW = 'case "$2" in *mpi4py*) echo "has no dolfinx that can be imported" >&2; exit 1 ;; esac'
+
+
+@pytest.fixture
+def pick(tmp_path):
+    """Answer of .ci/platform on a machine that has no more than what is named."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    for tool in TOOLS:
+        if found := shutil.which(tool):
+            (folder / tool).symlink_to(found)
+
+    def answer(system, wanted="", sudo=True, **pythons):
+        (tmp_path / "os-release").write_text(SYSTEMS[system])
+        # sudo, as root or not: some tests are run as root
+        programs = {"apt-get": "", **({"sudo": ""} if sudo else {}), **pythons}
+        for name, text in programs.items():
+            (folder / name).write_text(f"#!/bin/sh\n{text}\n")
+            (folder / name).chmod(0o755)
+        done = subprocess.run(
+            [ROOT / ".ci/platform"],
+            env={
+                "PATH": str(folder),
+                "HOME": str(tmp_path),
+                "OS_RELEASE": str(tmp_path / "os-release"),
+                "WITH": wanted,
+            },
+            capture_output=True,
+            text=True,
+            timeout=30,
+            check=False,
+        )
+        if done.returncode:
+            assert done.stdout == "" and len(done.stderr.splitlines()) == 1
+            assert done.stderr.startswith("setup: ")
+            return done.stderr
+        with_, python, why = done.stdout.splitlines()
+        return with_, python.removeprefix(f"{folder}/"), why
+
+    return answer
+
+
+@pytest.mark.parametrize("system", ["debian 12", "debian sid", "ubuntu 24.04", "ubuntu 26.04"])
+def test_the_system_s_own_where_nothing_else_is_active(pick, system):
+    assert pick(system, python3=NEW)[:2] == ("apt", "/usr/bin/python3")
+
+
+def test_the_active_environment_before_the_system_s(pick):
+    assert pick("debian 12", python3=HAS_DOLFINX) == (
+        *("active", "python3"),
+        "the active environment has dolfinx 0.10.0",
+    )
+
+
+def test_an_active_environment_that_will_not_do_is_named(pick):
+    picked, python, why = pick("debian 12", python3=COMPLEX)
+    assert (picked, python) == ("apt", "/usr/bin/python3")
+    assert why.endswith("python3 has PETSc with numbers of type complex128, not float64")
+    assert "complex128" in pick("debian 12", "active", python3=COMPLEX)
+
+
+@pytest.mark.parametrize("system", ["debian 11", "ubuntu 22.04", "fedora"])
+def test_the_wheel_where_the_system_has_none(pick, system):
+    assert pick(system, **{"python3.12": NEW})[:2] == ("wheel", "python3.12")
+
+
+@pytest.mark.parametrize(
+    ("system", "wanted", "said"),
+    [
+        ("fedora", "", "no dolfinx to use here (Fedora 42): "),
+        ("fedora", "apt", "WITH=apt is not possible on Fedora 42: "),
+        ("debian 11", "apt", "WITH=apt is not possible on Debian 11: "),
+        ("debian 12", "wheel", "WITH=wheel is not possible: it takes Python 3.12, "),
+        ("debian 12", "active", "WITH=active is not possible: no active environment has dolfinx"),
+        ("debian 12", "conda", "WITH=conda is unknown: active, apt or wheel."),
+    ],
+)
+def test_what_is_not_possible_is_one_sentence(pick, system, wanted, said):
+    assert pick(system, wanted, python3="exit 1").startswith(f"setup: {said}")
+
+
+@pytest.mark.parametrize("wanted", ["apt", "wheel"])
+def test_what_is_asked_for_is_taken(pick, wanted):
+    picked = pick("debian 12", wanted, python3=HAS_DOLFINX, **{"python3.13": NEW})
+    assert picked[0] == wanted and picked[2] == "asked for"
+
+
+# ---------------------------------------------------------------- mpirun
+
+
+@pytest.fixture(scope="module")
+def finder():
+    """The program .ci/mpirun, as a module."""
+    loader = SourceFileLoader("find_mpirun", str(ROOT / ".ci/mpirun"))
+    module = module_from_spec(spec_from_loader("find_mpirun", loader))
+    # its bytecode would be left in .ci
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    loader.exec_module(module)
+    sys.dont_write_bytecode = before
+    return module
+
+
+@needs_mpirun
+def test_mpirun_starts_more_ranks_than_cores():
+    count = (os.cpu_count() or 1) + 1
+    done = launch(count, "-c", "from mpi4py import MPI; print('of', MPI.COMM_WORLD.size)")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split().count(str(count)) == count
+
+
+@needs_mpirun
+def test_mpirun_of_another_mpi_is_not_taken(finder, tmp_path):
+    """It starts the program as often as asked, and each takes itself for the only one."""
+    other = tmp_path / "mpirun"
+    other.write_text('#!/bin/sh\nshift 2\n"$@"\nexec "$@"\n')
+    other.chmod(0o755)
+    assert not finder.starts_two([str(other)])
+    assert finder.starts_two([str(MPIRUN)])
