@@ -8,7 +8,9 @@ A strip of 0.48 x 0.1 m falls by 1 mm onto a rod across it and hangs over it, in
 the rod 0 to 0.9 of a cell off the middle, the last five turned as well, by up to 45 degrees. Arms
 of 240 + 36 and 240 - 36 mm are held by friction 0.3, as exp(0.3 pi) = 2.57. For each rod and size
 of cells the table gives the alignments that fell, the mean force of the last second over the weight
-where it is farthest from one, and the time a run took.
+where it is farthest from one, the deepest that a node or an edge began a step below the surface at
+which it is held (cloth that goes through comes to radius and half thickness), and the time a run
+took. With little drag (`--drag 1`) a strip askew swings, and may slide off over the rod.
 """
 
 import argparse
@@ -33,8 +35,8 @@ FABRICS = {"stiff": None, "limp": 1e-6}  # bending stiffness [N m]; None: of the
 
 def hang(
     rod: float, cell: float, alignment: int, fabric: str, seconds: float, drag: float
-) -> tuple[float | None, float]:
-    """Time of the fall [s] or None, and force over weight in the last second.
+) -> tuple[float | None, float, float]:
+    """Time of the fall [s] or None, force over weight in the last second, greatest depth [m].
 
     rod : diameter [m]; cell : size [m]; alignment : 0 to 9
     """
@@ -54,14 +56,21 @@ def hang(
     axes = np.array([[-s, c, 0.0], [-c, -s, 0.0], [0.0, 0.0, 1.0]])
     body = Body([Segment("rod", Capsule(2.0, radius), Fixed((0.0, 0.0, 0.0), axes))])
     touch = stepper.add(Contact(body, friction=0.3))
+    deepest = 0.0
+
+    def look(stepper, dt):
+        nonlocal deepest
+        deepest = max(deepest, touch.max_depth)
+
+    stepper.add(look)
     for until in np.arange(0.1, seconds + 0.05, 0.1):
         stepper.advance(until)
         if shell.positions()[:, 2].max() < -radius:
-            return until, np.nan
+            return until, np.nan, deepest
         if until < seconds - 0.95:
             touch.reset()
     pushed = shell.comm.allreduce(touch.window.table[0, 2])
-    return None, pushed / touch.window.seconds / (AREAL_MASS * LENGTH * WIDTH * G)
+    return None, pushed / touch.window.seconds / (AREAL_MASS * LENGTH * WIDTH * G), deepest
 
 
 def main() -> None:
@@ -75,12 +84,12 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/thin_rods"))
     options = parser.parse_args()
     first = MPI.COMM_WORLD.rank == 0
-    lines = ["rod_mm,cells_mm,alignments,fell,force_over_weight,seconds_a_run"]
+    lines = ["rod_mm,cells_mm,alignments,fell,force_over_weight,deepest_mm,seconds_a_run"]
     for rod in options.rods:
         for cell in options.cells:
-            clock, fell, worst = time.perf_counter(), 0, 1.0
+            clock, fell, worst, deepest = time.perf_counter(), 0, 1.0, 0.0
             for alignment in range(len(ANGLES)):
-                fall, share = hang(
+                fall, share, depth = hang(
                     1e-3 * rod,
                     1e-3 * cell,
                     alignment,
@@ -89,10 +98,12 @@ def main() -> None:
                     options.drag,
                 )
                 fell += fall is not None
+                deepest = max(deepest, MPI.COMM_WORLD.allreduce(depth, MPI.MAX))
                 if fall is None and abs(share - 1.0) > abs(worst - 1.0):
                     worst = share
             each = (time.perf_counter() - clock) / len(ANGLES)
-            lines.append(f"{rod:g},{cell:g},{len(ANGLES)},{fell},{worst:.4f},{each:.1f}")
+            figures = f"{fell},{worst:.4f},{1e3 * deepest:.1e},{each:.1f}"
+            lines.append(f"{rod:g},{cell:g},{len(ANGLES)},{figures}")
             if first:
                 print(lines[-1], flush=True)
     if first:
