@@ -37,7 +37,7 @@ def gmsh_model(**options: float) -> Iterator[ModuleType]:
     except OSError as error:  # from PyPI it wants libraries of the desktop
         raise ImportError(
             f"gmsh, which meshes outlines and reads .msh files, lacks a library: {error} (Debian: "
-            "apt-get install libglu1-mesa libxcursor1 libxft2 libxinerama1)"
+            "apt-get install libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1)"
         ) from None
 
     # One thread: the mesh must not depend on how many cores there are.
