@@ -23,7 +23,8 @@ FULL = "\n".join(
     line.removeprefix("# ") for line in TEMPLATE.splitlines()[1:] if "=" in line or "[" in line
 )
 ODD = (
-    "nan", "inf", "-1", "1e308", "0", "true", '""', '"x"', "[]", "{}", "[1, 2]", "1979-05-27", "'\\0'",
+    "nan", "inf", "-1", "1e308", "0", "true", '""', '"x"', "[]", "{}", "[1, 2]", "1979-05-27",
+    "'\\0'",
     "9" * 30, "\ufeff", "= =", "[", '"""', "[garment]", "{ a = 1 }", '"\\u0000"', "[[1]]",
 )  # fmt: skip
 DAMAGE = st.lists(

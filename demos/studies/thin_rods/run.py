@@ -24,7 +24,7 @@ import numpy as np
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from contact.geometry.capsule import Capsule
-from shellform import Fabric, Shell
+from shellform import Fabric, Shell, console
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 
@@ -73,7 +73,7 @@ def hang(
     return None, pushed / touch.window.seconds / (AREAL_MASS * LENGTH * WIDTH * G), deepest
 
 
-def main() -> None:
+def main(given: list[str] | None = None) -> None:
     """Print the table and leave it as CSV."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
     parser.add_argument("--rods", type=float, nargs="+", default=[1, 2, 3, 5, 10], help="mm")
@@ -82,7 +82,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--drag", type=float, default=4.0, help="1/s")
     parser.add_argument("--out", type=Path, default=Path("out/thin_rods"))
-    options = parser.parse_args()
+    options = console.parse(parser, given)
     first = MPI.COMM_WORLD.rank == 0
     lines = ["rod_mm,cells_mm,alignments,fell,force_over_weight,deepest_mm,seconds_a_run"]
     for rod in options.rods:
@@ -114,4 +114,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    console.run(main)
