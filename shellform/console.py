@@ -5,6 +5,8 @@ Under mpirun rank 0 alone speaks: warnings, the bar, the lines of `say`.
 """
 
 import argparse
+import codecs
+import io
 import logging
 import os
 import signal
@@ -88,6 +90,7 @@ def run(
     words : how the program spells options that mend an input, see `shellform.errors.Mendable`
     """
     be_quiet()
+    print_all_names()
     for note in writable_folders.NOTES:
         logging.getLogger("shellform").info(note)
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
@@ -122,6 +125,23 @@ def _program():
     """What the user called, without its folder."""
     name = Path(sys.argv[0]).name
     return "shellform" if name == "__main__.py" else name
+
+
+def print_all_names() -> None:
+    """Let stdout take names of files that are not UTF-8, as their bytes; stderr escapes them.
+
+    What else the terminal's encoding lacks is escaped.
+    """
+
+    def as_bytes(error: UnicodeError) -> tuple[str | bytes, int]:
+        try:
+            return codecs.lookup_error("surrogateescape")(error)
+        except UnicodeError:
+            return codecs.lookup_error("backslashreplace")(error)
+
+    codecs.register_error("shellform.names", as_bytes)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # others, as those of notebooks, take all
+        sys.stdout.reconfigure(errors="shellform.names")
 
 
 def be_quiet() -> None:

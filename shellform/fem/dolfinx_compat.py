@@ -18,23 +18,25 @@ from petsc4py import PETSc
 import numpy as np
 
 import basix
-import dolfinx
 import ufl
-from dolfinx import cpp, fem, jit, la
-from dolfinx.fem import Constant as Constant
-from dolfinx.fem import Function as Function
-from dolfinx.fem import FunctionSpace as FunctionSpace
-from dolfinx.fem import assemble_scalar as assemble_scalar
-from dolfinx.fem import petsc as fem_petsc
-from dolfinx.mesh import Mesh as Mesh
 from ufl.core.expr import Expr as Expr
 
 from .killed_compile import compiles
+from .plain_arguments import plain_arguments
 from .quiet_compiler import quiet_compiler
 
+with plain_arguments():
+    import dolfinx
+    from dolfinx import cpp, fem, jit, la
+    from dolfinx.fem import Constant as Constant
+    from dolfinx.fem import Function as Function
+    from dolfinx.fem import FunctionSpace as FunctionSpace
+    from dolfinx.fem import assemble_scalar as assemble_scalar
+    from dolfinx.fem import petsc as fem_petsc
+    from dolfinx.mesh import Mesh as Mesh
+
 VERSION = dolfinx.__version__
-# a rank that waits for another rank's compiler must not give up
-JIT = {"timeout": 600}
+JIT = {"timeout": 600}  # a rank that waits for another rank's compiler must not give up
 release = tuple(int(n) for n in VERSION.split(".")[:3] if n.isdigit())
 if release < (0, 5, 2):
     raise ImportError(f"dolfinx {VERSION} is too old for shellform, which needs 0.5.2 or newer")

@@ -17,6 +17,7 @@ Everything left out has its default; `write` puts down a scene in full.
 
 import difflib
 import json
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import Field, fields, replace
@@ -59,11 +60,18 @@ def read_scene(path: str | Path) -> Scene:
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file; `shellform new {path}` writes a scene")
     try:
-        # editors on Windows put a byte-order mark first
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        # editors on Windows put a byte-order mark first; names of files may be of any bytes
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig", errors="surrogateescape"))
+    except tomllib.TOMLDecodeError as error:
         raise ValueError(f"{path}: not a TOML file: {error}") from None
+    if any("\udc80" <= letter <= "\udcff" for letter in str(data.get("title", ""))):
+        raise ValueError(f"{path}: the title is not in UTF-8: save the file in that encoding")
     return scene_from(data, str(path), path.parent)
+
+
+def _spelt(text):
+    """Name of a file as Python has it on this system, of the bytes that a scene's file has."""
+    return os.fsdecode(text.encode("utf-8", "surrogateescape"))
 
 
 def _is_file(key, path):
@@ -84,11 +92,15 @@ def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Pat
     values |= _named(data, top, where, more=[f"[{name}]" for name in PARTS])
     for name, key in FILES:
         file = getattr(values[name], key)
-        if isinstance(file, str) and file != "synthetic" and _is_file(key, folder / file):
-            values[name] = replace(values[name], **{key: str(folder / file)})
+        if isinstance(file, str) and file != "synthetic":
+            path = folder / _spelt(file)
+            if _is_file(key, path):
+                values[name] = replace(values[name], **{key: str(path)})
     try:
         if "fabric" in values:
-            values["fabric"] = fabric_of(values["fabric"], folder, where)
+            fabric = values["fabric"]
+            fabric = _spelt(fabric) if isinstance(fabric, str) else fabric
+            values["fabric"] = fabric_of(fabric, folder, where)
         return Scene(**values)
     except FabricError:
         raise

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .c3d_header import MIPS, check_length, header_of
+from .plain_path import plain_path
 
 READ = "import sys, ezc3d; ezc3d.c3d(sys.argv[1])"
 PATIENCE = 20.0  # s, and as much for every 20 MB
@@ -83,7 +84,8 @@ def _by_ezc3d(path, header):
         ) from None
     try_out(path)
     try:
-        file = ezc3d.c3d(str(path))
+        with plain_path(path) as plain:
+            file = ezc3d.c3d(plain)
         data = file["data"]
         points = np.transpose(data["points"][:3], (2, 1, 0)).astype(float)
         residuals = data["meta_points"]["residuals"]
@@ -164,9 +166,9 @@ def try_out(path: str | Path) -> None:
     """
     patience = PATIENCE * (1 + Path(path).stat().st_size / 20e6)
     try:
-        code = subprocess.run(
-            [sys.executable, "-c", READ, str(path)], capture_output=True, timeout=patience
-        ).returncode
+        with plain_path(path) as plain:
+            words = [sys.executable, "-c", READ, plain]
+            code = subprocess.run(words, capture_output=True, timeout=patience).returncode
     except subprocess.TimeoutExpired:
         code = -1
     if code < 0:
