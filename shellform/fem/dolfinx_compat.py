@@ -32,7 +32,9 @@ with plain_arguments():
     from dolfinx.fem import Function as Function
     from dolfinx.fem import FunctionSpace as FunctionSpace
     from dolfinx.fem import assemble_scalar as assemble_scalar
-    from dolfinx.fem import petsc as fem_petsc
+    from dolfinx.fem.petsc import assemble_matrix as assemble_matrix
+    from dolfinx.fem.petsc import assemble_vector as assemble_vector
+    from dolfinx.fem.petsc import create_matrix as create_matrix
     from dolfinx.mesh import Mesh as Mesh
 
 VERSION = dolfinx.__version__
@@ -51,11 +53,6 @@ if PETSc.ScalarType is not np.float64:
 _TO_COMPILE = inspect.signature(fem.form).parameters
 _OPTIONS = "jit_options" if "jit_options" in _TO_COMPILE else "jit_params"
 _TO_MAKE = inspect.signature(dolfinx.mesh.create_mesh).parameters
-
-# of the owned part into a Vec or Mat of PETSc
-assemble_vector = fem_petsc.assemble_vector
-assemble_matrix = fem_petsc.assemble_matrix
-create_matrix = fem_petsc.create_matrix
 
 
 def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
@@ -79,7 +76,7 @@ def _forms_folder() -> Path:
 
 
 def surface_mesh(
-    comm: MPI.Comm, kind: str, degree: int, cells: np.ndarray, points: np.ndarray
+    comm: MPI.Comm, kind: str, degree: int, cells: np.ndarray, points: np.ndarray, at_edge: int = 2
 ) -> Mesh:
     """Mesh of a surface in 3-D shared out over the ranks.
 
@@ -87,6 +84,7 @@ def surface_mesh(
     ----------
     kind : 'triangle' or 'quadrilateral'; degree : of the geometry
     cells : (m, k) int, nodes in dolfinx's order; points : (n, 3) [m]; both as rank 0 has them
+    at_edge : most cells that meet at an edge
     """
     first = comm.rank == 0
     given: dict[str, Any] = {
@@ -96,17 +94,10 @@ def surface_mesh(
     }
     if "ghost_mode" in _TO_MAKE:
         given["ghost_mode"] = dolfinx.mesh.GhostMode.none
+    if "max_facet_to_cell_links" in _TO_MAKE:
+        given["max_facet_to_cell_links"] = at_edge
     with quiet_compiler(_forms_folder(), first):
-        try:
-            return dolfinx.mesh.create_mesh(comm, **given)
-        except RuntimeError as error:
-            if "adjacency lists" not in str(error):
-                raise
-            # seen in 0.5.2 with a patch sewn on all around
-            raise ValueError(
-                f"dolfinx cannot share this branching surface out over {comm.size} ranks (three "
-                "cells and more at an edge): run it on one rank"
-            ) from None
+        return dolfinx.mesh.create_mesh(comm, **given)
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:
@@ -146,7 +137,7 @@ def geometry_nodes(mesh: Mesh, width: int) -> np.ndarray:
 
 
 def _table(rows: Any, width: int) -> np.ndarray:
-    """Rows (m, width) of a table, which was an adjacency list once; there may be none."""
+    """Rows (m, width) of a table, which was an adjacency list once."""
     return np.asarray(getattr(rows, "array", rows)).reshape(-1, width)
 
 

@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshes import Surface
+from meshes.topology import directed_edges, edge_keys
 
 from .dolfinx_compat import (
+    Mesh,
     cell_nodes,
     geometry_nodes,
     given_cells,
@@ -54,9 +56,7 @@ class Partition:
         self.origin = surface.points.mean(axis=0)
         self.length = float(np.sqrt(surface.area))
         cells = surface.cells[:, DOLFINX_ORDER[surface.cells.shape[1]]]
-        self.mesh = surface_mesh(
-            comm, surface.kind, surface.degree, cells, surface.points - self.origin
-        )
+        self.mesh = _shared_out(surface, comm, cells, surface.points - self.origin)
         self.space = vector_space(self.mesh, "Lagrange", surface.degree, 6)
         index_map = self.space.dofmap.index_map
         self.n_owned, self.n_local = (
@@ -176,3 +176,21 @@ class Partition:
         for cells, part in self.comm.allgather(own):
             whole[cells] = part
         return whole
+
+
+def _shared_out(surface: Surface, comm: MPI.Comm, cells: np.ndarray, points: np.ndarray) -> Mesh:
+    """Mesh of the surface; ValueError where dolfinx cannot share out what branches."""
+    at_edge = np.unique(edge_keys(directed_edges(surface.cells), len(points)), return_counts=True)[
+        1
+    ]
+    most = int(at_edge.max())
+    try:
+        return surface_mesh(comm, surface.kind, surface.degree, cells, points, max(2, most))
+    except RuntimeError as error:
+        # seen in dolfinx 0.5.2 with a patch sewn on all around
+        if most < 3 or comm.size == 1 or "adjacency lists" not in str(error):
+            raise
+        raise ValueError(
+            f"dolfinx cannot share this branching surface out over {comm.size} ranks ({most} cells "
+            "at an edge): run it on one rank"
+        ) from None
