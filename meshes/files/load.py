@@ -276,7 +276,9 @@ def save(surface: Surface, path: str | Path) -> None:
     # The temporary name keeps the ending, by which the writer knows the format.
     part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     try:
-        meshio.write(part, mesh, **options)
+        # numpy 2 writes np.float64(1.0) where meshio 5.3 wants the number
+        with np.printoptions(legacy="1.21"):
+            meshio.write(part, mesh, **options)
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
