@@ -93,6 +93,9 @@ def run(
     print_all_names()
     for note in writable_folders.NOTES:
         logging.getLogger("shellform").info(note)
+    # what mpirun makes of Ctrl-C, and how it ends the others after a failing rank, which has spoken
+    ended = signal.SIG_DFL if MPI.COMM_WORLD.rank else _interrupt
+    before = signal.signal(signal.SIGTERM, ended)
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     try:
         main(arguments)
@@ -109,10 +112,17 @@ def run(
         message, code = f"{_program()}: interrupted", 130
     except Exception:
         message, code = traceback.format_exc(), 1
+    finally:
+        signal.signal(signal.SIGTERM, before)
     # one voice: an error that all ranks meet is printed by rank 0, which then ends the others
     time.sleep(HEAD_START if MPI.COMM_WORLD.rank else 0.0)
     print(message, file=sys.stderr, flush=True)
     end_all_ranks(code)
+
+
+def _interrupt(*_: object) -> NoReturn:
+    """Handler of a signal that ends the program as Ctrl-C does."""
+    raise KeyboardInterrupt
 
 
 def _leave_quietly() -> NoReturn:
