@@ -30,9 +30,15 @@ _KINDS = {
 def gmsh_model(**options: float) -> Iterator[ModuleType]:
     """Yield the gmsh module with an empty current model and mesh options set, e.g. Algorithm=6.
 
-    Raises ImportError if gmsh is not installed.
+    Raises ImportError if gmsh is not installed, or if it lacks a library of the system.
     """
-    import gmsh
+    try:
+        import gmsh
+    except OSError as error:  # from PyPI it wants libraries of the desktop
+        raise ImportError(
+            f"gmsh, which meshes outlines and reads .msh files, lacks a library: {error} (Debian: "
+            "apt-get install libgl1 libglu1-mesa libxcursor1 libxft2 libxinerama1)"
+        ) from None
 
     # One thread: the mesh must not depend on how many cores there are.
     wanted: dict[str, float] = {"General.Terminal": 0, "General.NumThreads": 1}

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import meshes
-from tests.test_parallel import launch, needs_mpirun
+from tests.ranks import launch, needs_mpirun
 
 # kind of sheet -> options of the surface, of the shell
 SHEETS = {

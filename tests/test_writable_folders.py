@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from shellform.writable_folders import provide, writable
-from tests.test_parallel import ROOT
+from tests.ranks import ROOT
 
 # beneath what is no folder: nobody can write there, root neither
 NOWHERE = "/dev/null/home"

@@ -58,21 +58,24 @@ def too_thin(body: Body, cell_size: float, offset: float = 0.0) -> list[str]:
 
 
 def through_cells(body: Body, cell_size: float, offset: float = 0.0, k: int = 0) -> list[str]:
-    """Sentences on the segments so small that they can come through inside a cell.
+    """Sentences on the segments whose ends can come through inside a cell.
 
-    Edges of cells are met, and k x k samples inside cells; a segment that fits between them passes.
-    Parameters as for `too_thin`; k : int, 0 for none
+    Met are edges of cells, and k x k samples inside cells (k = 0: none), rows of which are a k-th
+    of a cell apart, but no less than half for one. A rod that lies across edges is held; an end of
+    one, or a ball, that fits between what is met is not.
+
+    Parameters as for `too_thin`.
     """
     apart = cell_size / max(k, 2) if k else cell_size
     said = []
     for name, shape in zip(body.names, body.shapes, strict=True):
-        long = 2 * shape.bounding_radius
-        if long + 2 * offset < apart:
-            rows = int(np.ceil(cell_size / (long + 2 * offset)))
+        thick = 2 * shape.inner_radius
+        if thick + 2 * offset < apart:
+            rows = int(np.ceil(cell_size / (thick + 2 * offset)))
             said.append(
-                f"segment '{name}' is {1e3 * long:.3g} mm long and can come through inside cells "
-                f"of {1e3 * cell_size:.3g} mm: take smaller cells, or "
-                f"samples={rows if rows > 2 else 1}"
+                f"segment '{name}' is {1e3 * thick:.3g} mm thick: edges of cells meet it, but its "
+                f"ends can come through inside cells of {1e3 * cell_size:.3g} mm; where they point "
+                f"at the cloth, take smaller cells, or samples={rows if rows > 2 else 1}"
             )
     return said
 

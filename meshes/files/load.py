@@ -74,6 +74,7 @@ def load(
         raise ValueError(f"weld must be a distance in m, 0 for none, not {weld!r}")
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ResourceWarning)  # files that meshio leaves open
         surface = _surface(Path(path), unit, quads, weld, midsurface)
     notes = dict.fromkeys((*surface.notes, *(str(warning.message) for warning in found)))
     with warnings.catch_warnings():

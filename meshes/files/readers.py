@@ -59,10 +59,11 @@ def read_mesh(path: Path) -> MeshData | meshio.Mesh:
         return _read_by_meshio(path, said)
     except (Exception, SystemExit) as error:
         reason = " ".join(f"{said.getvalue()} {error}".split())[:160] or type(error).__name__
-        raise MeshError(
-            f"{path.name}: the file cannot be read as {path.suffix} ({reason}), export it again "
-            "or convert it to .vtu."
-        ) from None
+    # only here: within `except` the error would go along, and with it the file that it left open
+    raise MeshError(
+        f"{path.name}: the file cannot be read as {path.suffix} ({reason}), export it again or "
+        "convert it to .vtu."
+    )
 
 
 def _read_by_meshio(path, said):

@@ -192,7 +192,7 @@ def _check_size(surface, loop):
         true, read = pairs[best]
         mend = (
             f"its coordinates look like {true} taken for {read}, which would be {meant[best]:.2f} "
-            f"m: give load(path, unit='{true}')"
+            f"m: give load(path, unit='{true}'), in a scene unit = \"{true}\" under [garment]"
         )
     raise MeshError(
         f"{surface.source}: the waist measures {girth:.3g} m round, which nobody wears; {mend}."

@@ -97,7 +97,16 @@ def surface_mesh(
     if "ghost_mode" in _TO_MAKE:
         given["ghost_mode"] = dolfinx.mesh.GhostMode.none
     with quiet_compiler(_forms_folder(), first):
-        return dolfinx.mesh.create_mesh(comm, **given)
+        try:
+            return dolfinx.mesh.create_mesh(comm, **given)
+        except RuntimeError as error:
+            if "adjacency lists" not in str(error):
+                raise
+            # seen in 0.5.2 with a patch sewn on all around
+            raise ValueError(
+                f"dolfinx cannot share this branching surface out over {comm.size} ranks (three "
+                "cells and more at an edge): run it on one rank"
+            ) from None
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:

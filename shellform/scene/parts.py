@@ -63,6 +63,9 @@ class Garment:
     """A garment by size or measures, or a mesh file.
 
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
+    turn : angles about x, then y, then z [deg], and place : shift after it [m], which bring it to
+    x forward, y left, z up, the floor at 0, None: found from its shape and the wearer; weld :
+    distance within which its borders are joined [m]; midsurface : of a file with thick cloth;
     kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
     arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy;
     wrinkles : 'relaxed', those smaller than a cell take what compression they cannot bear,
@@ -79,6 +82,10 @@ class Garment:
     file: str | Path | None = None
     unit: str = "m"
     waist: str = "waist"
+    turn: list | None = field(default=None, metadata={"unit": "deg"})
+    place: list | None = field(default=None, metadata={"unit": "m"})
+    weld: float = with_unit(0.0, "m")
+    midsurface: bool = False
     kind: str = "trousers"
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})

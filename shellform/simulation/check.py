@@ -58,6 +58,7 @@ def _garment_lines(model: Model) -> list[str]:
         f"garment    {surface.source}: {len(surface.cells)} cells of {1e3 * size:.0f} mm, "
         f"{len(surface.points)} nodes, {5 * len(surface.points)} dofs, "
         f"{model.weight:.3f} N",
+        *(f"           {note}" for note in surface.notes),
         *(f"           {line}" for line in fabric.summary().splitlines()),
     ]
     if model.shell.relaxed:

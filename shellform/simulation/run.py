@@ -18,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from shellform.console import progress
+from shellform.dressing.fit import BEARS, too_stretched
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
@@ -95,6 +96,7 @@ def run(
         write_scene(scene, out / "scene.toml")
         if lines:
             told = [] if scene.motion.file == "synthetic" else motion_lines(model)
+            told += model.surface.notes
             print("\n".join([*told, *prediction_lines(model)]), flush=True)
     series = Series(out)
     with report.stage("solve"), Interrupt(model.comm) as interrupt:
@@ -111,6 +113,8 @@ def run(
             )
     if comm.rank == 0 and not fit["settled"]:
         print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
+    if comm.rank == 0 and fit["stretch"] > BEARS:
+        print(too_stretched(fit["stretch"]), flush=True)
     model.contact.reset()
     write_frame(model, series, np.zeros(3))
     recorders = Recorders(model, out)

@@ -42,7 +42,7 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
         "stride_length": facts.get("stride_length"),
         "cadence": facts.get("cadence"),
         "segment_lengths": wearer.recording.lengths(),
-        "notes": wearer.recording.notes,
+        "notes": [*wearer.recording.notes, *model.surface.notes],
     }
 
 

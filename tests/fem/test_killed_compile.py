@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_parallel import launch, needs_mpirun
+from tests.ranks import launch, needs_mpirun
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = (

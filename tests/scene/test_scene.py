@@ -26,6 +26,10 @@ OTHER = Scene(
     ),
     person=Person(stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}),
     garment=Garment(
+        turn=[0, 0, 90.0],
+        place=[0.0, 0.1, 0.0],
+        weld=1e-4,
+        midsurface=True,
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
         kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
         wrinkles="resolved",

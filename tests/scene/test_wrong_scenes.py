@@ -87,7 +87,7 @@ WRONG = {
     "no such capture": (of_capture("none.c3d"), ("none.c3d", "no such file")),
     "no capture": (of_capture("good.vtu"), ("good.vtu", "no marker file", ".c3d")),
     "no such map": (of_capture("good.trc", map="mine"), ("'mine'", "medial", "TOML file")),
-    "waist aside": (of_garment("aside.vtu"), ("aside.vtu", "waist", "pelvis")),
+    "waist aside": (of_garment("aside.vtu", place=[0, 0, 0]), ("aside.vtu", "waist", "pelvis")),
     "leg outside the garment": (
         of(garment=Garment(cell_size=0.04, measures={"stance": 0.2})),
         ("right hem", "right leg", "stance", "width"),
@@ -104,7 +104,10 @@ WRONG = {
         of(person=Person(girths={"calf": 0.6}), garment=Garment(measures={"knee": 0.5})),
         ("0.600 m around the right shank", "larger size"),
     ),
-    "no waist": (of_garment("plain.obj"), ("plain.obj", "no edge 'waist'", "waist='highest'")),
+    "no waist": (
+        of_garment("plain.obj", waist="belt"),
+        ("plain.obj", "no edge 'belt'", "waist='highest'"),
+    ),
     "garment in another unit": (of_garment("good.vtu", unit="cm"), ("good.vtu", "unit='m'")),
     "no such garment": (of_garment("none.obj"), ("none.obj", "no such file")),
     "no such size": (of(garment=Garment(size="huge")), ("'huge'", "large-regular")),

@@ -190,10 +190,11 @@ def recording(
     if rigid:
         points, moved = rigid_legs(points)
         notes.append(f"joints moved by up to {1e3 * moved:.1f} mm to keep the bones' lengths")
+    require_shape(points, times, source)
+    require_lever(points, times, source)
     if rigid and "pelvis" in points:
         points["pelvis"], lean = upright(points["pelvis"])
         notes.append(f"pelvis set upright: its landmarks lean by {np.degrees(lean):.0f} degrees")
-    require_lever(points, times, source)
     require_pace(points, times, source)
     return Recording(times, points, source, tuple(notes), facts(times, points))
 

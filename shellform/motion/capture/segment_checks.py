@@ -9,7 +9,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contact.body.segment_frame import pose_from_markers
 from shellform.errors import Mendable
 from shellform.motion.recording import SIDES
 
@@ -78,8 +77,9 @@ def require_sides(points: Mapping[str, np.ndarray], source: str) -> None:
 def require_lever(points: Mapping[str, np.ndarray], times: np.ndarray, source: str) -> None:
     """Refuse an M so close to the line J1-J2 that it does not tell the segment's turn about it."""
     for name, track in points.items():
-        _, axes = pose_from_markers(track[:, 0], track[:, 1], track[:, 2])
-        lever = np.sum((track[:, 2] - track[:, 0]) * axes[:, 1], axis=1)
+        along, arm = track[:, 1] - track[:, 0], track[:, 2] - track[:, 0]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        lever = np.linalg.norm(arm - np.sum(arm * along, axis=1, keepdims=True) * along, axis=1)
         worst = int(np.argmin(lever))
         if lever[worst] < LEVER:
             raise ValueError(

@@ -85,10 +85,26 @@ def segment_map(name_or_path: str | Path) -> SegmentMap:
         table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path}: no TOML ({error})") from None
+    if str(name_or_path) in SHIPPED:
+        table = _sides_anywhere(table)
     name = str(name_or_path) if str(name_or_path) in SHIPPED else path.name
     return _checked(_both_sides(table), name, str(path))
 
 
+def _sides_anywhere(table):
+    """A shipped map whose labels may have the side in full, and behind as well: R.ASIS, ASIS_R,
+    right ASIS. Two letters alone are not turned around."""
+
+    def more(labels):
+        stems = [s[3:].lstrip("._ ") for s in labels if s.startswith("{S}")]
+        forms = ("{{side}}{}", "{}_{{S}}", "{}_{{side}}")
+        return [*labels, *(form.format(s) for form in forms for s in stems if len(s) > 2)]
+
+    markers = {key: more(labels) for key, labels in table["markers"].items()}
+    return table | {"markers": markers, "also": more(table.get("also", []))}
+
+
+@cache
 def vocabulary(map: SegmentMap) -> dict[str, str]:
     """Labels of a set and of those it knows, without case and punctuation -> marker, "" for none.
 

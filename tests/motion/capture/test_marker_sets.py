@@ -6,7 +6,7 @@ import pytest
 
 from shellform.motion.capture.marker_sets import choose_map
 from shellform.motion.capture.read_motion import read_markers, read_motion
-from shellform.motion.capture.segment_map import SHIPPED, segment_map, vocabulary
+from shellform.motion.capture.segment_map import SHIPPED, plain, segment_map, vocabulary
 from tests.motion.capture.c3d_bytes import write_c3d_bytes
 from tests.motion.capture.made_up import (
     BMC,
@@ -136,6 +136,32 @@ def test_trochanters_are_no_hip_centres(tmp_path):
         read_motion(path)
 
 
+@pytest.mark.parametrize("apart", [0.0, 0.08])
+def test_one_pelvis_and_two_meanings_of_a_knee(tmp_path, apart):
+    """ASIS with RHip, RKnee, RAnkle: centres where the hips are as far apart as centres are; where
+    they are as far as trochanters, markers, and the hips are left over."""
+    labels = {"asis": "{S}ASIS", "psis": "{S}PSIS", "hip_c": "{S}Hip", "heel": "{S}Heel"}
+    centres = {**labels, "knee_c": "{S}Knee", "ankle_c": "{S}Ankle"}
+    markers = {**labels, "knee": "{S}Knee", "ankle": "{S}Ankle"}
+    names, tracks, truth = walker(markers if apart else centres)
+    for side, sign in (("R", -1), ("L", 1)):
+        tracks[:, names.index(f"{side}Hip"), 1] += sign * apart
+    rec = read_motion(write_trc(tmp_path / "walk.trc", names, 1000 * tracks), cutoff=None)
+    assert f"map '{'lateral' if apart else 'joint-centres'}'" in rec.notes
+    assert any("not RHip, LHip" in note for note in rec.notes) == bool(apart)
+    for joint in JOINTS:
+        assert off(rec, truth, "right", joint) < 1e-9
+
+
+@pytest.mark.parametrize("form", ["{side}{}", "{}_{S}", "{}.{side}", "Ann:{S} {}"])
+def test_the_side_stands_anywhere(tmp_path, form):
+    words = {key: label.replace("{S}.", "") for key, label in BMC.items()}
+    labels = {key: form.replace("{}", word) for key, word in words.items()}
+    names, tracks, truth = walker(labels)
+    rec = read_motion(write_trc(tmp_path / "walk.trc", names, 1000 * tracks), cutoff=None)
+    assert "map 'medial'" in rec.notes and off(rec, truth, "left", "knee") < 1e-9
+
+
 def test_an_explicit_lateral_label_goes_before_a_plain_one(tmp_path):
     """`R.Knee` beside `R.Knee.Lat` is something else than the lateral marker."""
     names, tracks, truth = walker({**BMC, "knee": "{S}.Knee.Lat", "knee_c": "{S}.Knee"})
@@ -187,6 +213,9 @@ def test_every_set_knows_what_it_uses():
         map = segment_map(name)
         words = vocabulary(map)
         spelled = [s for labels in map.markers.values() for s in labels]
+        assert len({plain(s) for s in spelled}) == len(
+            {(plain(s), key) for key, labels in map.markers.items() for s in labels}
+        ), name
         assert spelled and set(words.values()) >= {k for k, v in map.markers.items() if v}, name
 
 
