@@ -23,6 +23,7 @@ from mpi4py import MPI
 from . import writable_folders
 from .all_ranks import HEAD_START, end_all_ranks
 from .errors import Mendable, NotConverged, Stopped, Unstable
+from .petsc_options import unused
 
 COMM = MPI.COMM_WORLD  # all ranks of the program
 
@@ -93,9 +94,12 @@ def run(
     print_all_names()
     for note in writable_folders.NOTES:
         logging.getLogger("shellform").info(note)
+    # what mpirun makes of Ctrl-C, and how it ends the others after a failing rank, which has spoken
+    ended = signal.SIG_DFL if MPI.COMM_WORLD.rank else _interrupt
+    before = signal.signal(signal.SIGTERM, ended)
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     try:
-        main(arguments)
+        _call(main, arguments)
         sys.stdout.flush()
         return
     except BrokenPipeError:  # as in `shellform check ... | head -1`: no more is wanted
@@ -109,10 +113,37 @@ def run(
         message, code = f"{_program()}: interrupted", 130
     except Exception:
         message, code = traceback.format_exc(), 1
+    finally:
+        signal.signal(signal.SIGTERM, before)
     # one voice: an error that all ranks meet is printed by rank 0, which then ends the others
     time.sleep(HEAD_START if MPI.COMM_WORLD.rank else 0.0)
     print(message, file=sys.stderr, flush=True)
     end_all_ranks(code)
+
+
+def _call(main: Callable, arguments: Sequence[str] | None) -> None:
+    """Call main(arguments); then, if solvers ran, warn of options that none has asked for."""
+    given = sys.argv[1:] if arguments is None else arguments
+    words = [*os.environ.get("PETSC_OPTIONS", "").split(), *given]
+    try:
+        main(arguments)
+    except (NotConverged, Unstable):
+        _warn_of_unused_options(words)
+        raise
+    _warn_of_unused_options(words)
+
+
+def _warn_of_unused_options(words: Sequence[str]) -> None:
+    """Misspelt options of PETSc change nothing, which nobody would notice."""
+    names = unused(words)
+    if names:
+        what = f"no solver here has asked for {', '.join(names)}"
+        warnings.warn(f"{what}: misspelt, or of another solver", stacklevel=1)
+
+
+def _interrupt(*_: object) -> NoReturn:
+    """Handler of a signal that ends the program as Ctrl-C does."""
+    raise KeyboardInterrupt
 
 
 def _leave_quietly() -> NoReturn:

@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Ctrl-C as a question between steps, the same answer on all ranks."""
+"""Ctrl-C as a question between steps, the same answer on all ranks.
+
+Open MPI's mpirun answers Ctrl-C by SIGTERM to its ranks, and by SIGKILL a second later; batch
+systems announce the end of a job by SIGTERM too. So that is the same question.
+"""
 
 import signal
 
 from mpi4py import MPI
+
+SIGNALS = signal.SIGINT, signal.SIGTERM
 
 
 class Interrupt:
@@ -13,11 +19,12 @@ class Interrupt:
         self.comm, self.pressed = comm, False
 
     def __enter__(self):
-        self.before = signal.signal(signal.SIGINT, self._press)
+        self.before = [signal.signal(number, self._press) for number in SIGNALS]
         return self
 
     def __exit__(self, *_):
-        signal.signal(signal.SIGINT, self.before)
+        for number, handler in zip(SIGNALS, self.before, strict=True):
+            signal.signal(number, handler)
 
     def _press(self, *_):
         self.pressed = True

@@ -21,6 +21,7 @@ from shellform.console import progress
 from shellform.dressing.fit import BEARS, too_stretched
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
+from shellform.dynamics.explicit import Newmark
 from shellform.errors import Stopped, Unstable
 from shellform.motion.gait.strides import counted
 from shellform.results.report import Report
@@ -98,12 +99,18 @@ def run(
             told += model.surface.notes
             print("\n".join([*told, *prediction_lines(model)]), flush=True)
     series = Series(out)
-    with report.stage("solve"):
+    with report.stage("solve"), Interrupt(model.comm) as interrupt:
         if dressed is None:
-            fit = model.dress(dressing_watcher(model, out, watch))
+            look = dressing_watcher(model, out, watch)
+            fit = model.dress(_stopping(look, interrupt))
         else:
             fit = model.put_on(dressed)
         save(out / "dressed.npz", model.stepper, model.wearer)
+        if interrupt.asked():
+            raise Stopped(
+                f"stopped after dressing; go on with: shellform run {out}/scene.toml --out {out} "
+                f"--dressed {out}/dressed.npz"
+            )
     if comm.rank == 0 and not fit["settled"]:
         print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
     if comm.rank == 0 and fit["stretch"] > BEARS:
@@ -149,6 +156,17 @@ def _set_up(scene: Scene, out: Path, comm: MPI.Comm) -> tuple[Report, Model]:
         model = Model(scene, comm)
         describe(report, model)
     return report, model
+
+
+def _stopping(look: Callable, interrupt: Interrupt) -> Callable:
+    """Watcher of the dressing that ends it on all ranks after Ctrl-C."""
+
+    def look_and_ask(stage: str, stepper: Newmark) -> None:
+        look(stage, stepper)
+        if interrupt.asked():
+            raise Stopped("stopped while dressing, of which nothing is kept: run the scene again")
+
+    return look_and_ask
 
 
 def _windows(model: Model) -> np.ndarray:

@@ -42,8 +42,19 @@ def test_roll_up(ranks, tmp_path):
 def test_roll_up_passes_options_on_to_petsc(tmp_path):
     out = ("--cells", 4, "--turns", 0.2, "--steps", 1, "--out", tmp_path)
     done = run("demos/roll_up.py", *out, "-shell_snes_monitor")
-    assert "SNES Function norm" in done.stdout
+    assert "SNES Function norm" in done.stdout and done.stderr == ""
     assert "SNES Function norm" not in run("demos/roll_up.py", *out).stdout
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_roll_up_warns_of_misspelt_options_of_petsc(ranks, tmp_path):
+    """In one line, which names them and no others: not those in use, nor our own defaults."""
+    out = ("--cells", 4, "--turns", 0.2, "--steps", 1, "--out", tmp_path)
+    options = ("-shell_snes_monitr", "-shell_snes_rtol", "1e-7", "-shell_pc_type", "lu")
+    done = run("demos/roll_up.py", *out, *options, ranks=ranks)
+    assert done.returncode == 0
+    assert done.stderr.count("\n") == 1 and done.stderr.startswith("warning: ")
+    assert "-shell_snes_monitr:" in done.stderr and done.stderr.count("-shell_") == 1
 
 
 @pytest.mark.parametrize(("percent", "bar"), [("3%", 0.03), ("0.3%", 0.003)])

@@ -135,6 +135,57 @@ def test_killed_run_goes_on_on_two_ranks(walked, killed, tmp_path):
     assert found["ranks"] == 2 and found["results"]["force_balance_error"] < 1e-6
 
 
+# a run on ranks of which one gets Ctrl-C, or all get what mpirun makes of it, at a stage
+ON_RANKS = """
+import os, signal, sys
+from mpi4py import MPI
+from shellform import console
+from shellform.scene.scene_file import read_scene
+from shellform.simulation.run import run
+
+scene, out, dressed, stage, whom = sys.argv[1:]
+seen = set()
+
+def look(now, _):
+    if now == stage and now not in seen and MPI.COMM_WORLD.rank == 1:
+        number = signal.SIGINT if whom == "rank" else signal.SIGTERM
+        for process in [os.getpid()] if whom == "rank" else PROCESSES:
+            os.kill(process, number)
+    seen.add(now)
+
+PROCESSES = MPI.COMM_WORLD.allgather(os.getpid())
+console.run(
+    lambda _: run(read_scene(scene), out, dressed=None if stage == "pull" else dressed, watch=look)
+)
+"""
+
+
+@needs_mpirun
+@pytest.mark.serial
+@pytest.mark.slow
+@pytest.mark.parametrize("whom", ["rank", "all by mpirun"])
+@pytest.mark.parametrize("stage", ["pull", "walk"])
+def test_stopped_on_ranks(stage, whom, scene_file, tmp_path):
+    """Ctrl-C at one rank, or SIGTERM at all as mpirun sends it: one line, 130, what is kept."""
+    words = ("-c", ON_RANKS, scene_file, tmp_path, dressed("compliant").path, stage, whom)
+    done = launch(2, *words)
+    assert done.returncode == 130, done.stderr
+    kept = "nothing is kept" if stage == "pull" else f"go on with: shellform resume {tmp_path}"
+    assert done.stderr.count(kept) == 1 and "Traceback" not in done.stderr
+    assert (tmp_path / "checkpoint.npz").exists() == (stage == "walk")
+
+
+@pytest.mark.serial
+def test_sigterm_is_told_before_there_is_a_walk():
+    script = (
+        "import os, signal\n"
+        "from shellform import console\n"
+        "console.run(lambda _: os.kill(os.getpid(), signal.SIGTERM))\n"
+    )
+    done = launch(1, "-c", script)
+    assert (done.returncode, done.stderr) == (130, "-c: interrupted\n")
+
+
 @pytest.mark.serial
 @pytest.mark.slow
 def test_stopped_run_goes_on(walked, scene_file, tmp_path, capsys):
