@@ -21,6 +21,7 @@ Source. The paper's Sec. 4.2; the synthetic walk is that of shellform/motion/gai
     mpirun -n 2 python demos/walk.py                  # runs are shared out over the ranks
     python demos/walk.py --runs 1                     # one start, without a band
     python demos/walk.py --motion walk.c3d --fabric stiff
+    python demos/walk.py --motion walk.trc --static standing.trc --start 1.2 --seconds 3.4
 
 leaves walk.png, torque.png, pressure.png, walk.gif, summary.json and, where cloth wrinkles below
 its cells, wrinkles.png in the folder, and a folder a fabric with torque_mean.csv, torque.csv,
@@ -46,6 +47,16 @@ from shellform.simulation.summary import summary_lines, summary_of
 
 COMM = console.COMM
 JOINT = "right_knee"
+# options that mend a capture
+WORDS = {
+    "cutoff": "--cutoff",
+    "map": "--map ...",
+    "max_gap": "--max-gap ...",
+    "static": "--static ...",
+    "unit": "--unit ...",
+    "up": "--up ...",
+    "window": "--start and --seconds",
+}
 
 
 def arguments(given):
@@ -55,7 +66,18 @@ def arguments(given):
         epilog="Options with one dash go to PETSc, as -shell_ts_monitor.",
     )
     positive = console.positive
-    parser.add_argument("--motion", default="synthetic", help="'synthetic' or C3D, TRC, CSV file")
+    parser.add_argument(
+        "--motion", default="synthetic", help="'synthetic' or C3D, TRC, CSV, BVH file"
+    )
+    parser.add_argument("--static", type=Path, help="static trial with markers the walk lacks")
+    parser.add_argument("--map", help="segment map of the markers (default: the one that fits)")
+    parser.add_argument("--unit", help="of the capture, where it does not tell")
+    parser.add_argument("--up", choices=("y", "z"), help="vertical, where it is not clear")
+    parser.add_argument("--cutoff", type=positive(float), default=6.0, help="of the low pass, Hz")
+    parser.add_argument(
+        "--max-gap", type=positive(float), default=0.1, help="longest gap filled, s"
+    )
+    parser.add_argument("--start", type=float, help="of the motion, s on its clock")
     parser.add_argument(
         "--fabric", nargs="+", default=["compliant", "stiff"], help="names of cards, or files"
     )
@@ -66,7 +88,9 @@ def arguments(given):
         help="other cells too, to estimate the error",
     )
     parser.add_argument("--obstacle", type=float, default=0.5, help="height, m; 0 for none")
-    parser.add_argument("--seconds", type=positive(float), help="of the motion (default: all)")
+    parser.add_argument(
+        "--seconds", type=positive(float), help="end of the motion, s on its clock (default: all)"
+    )
     parser.add_argument("--cell-size", type=positive(float), help="m (default: accuracy)")
     parser.add_argument(
         "--runs", type=positive(int), help="starts whose mean is reported (default: accuracy)"
@@ -90,7 +114,18 @@ def scene_of(options, fabric):
     """Scene of one fabric."""
     return Scene(
         fabric=fabric,
-        motion=Motion(file=options.motion, obstacle=options.obstacle, end=options.seconds),
+        motion=Motion(
+            file=options.motion,
+            static=options.static,
+            map=options.map,
+            unit=options.unit,
+            up=options.up,
+            cutoff=options.cutoff,
+            max_gap=options.max_gap,
+            start=options.start,
+            end=options.seconds,
+            obstacle=options.obstacle,
+        ),
         garment=Garment(cell_size=options.cell_size, wrinkles=options.wrinkles),
         steps=Steps(
             accuracy=options.accuracy,
@@ -172,4 +207,4 @@ def draw(options, names, scene):
 
 
 if __name__ == "__main__":
-    console.run(main)
+    console.run(main, words=WORDS)

@@ -6,6 +6,7 @@ Nothing here knows finite elements. Lengths are in m; a Surface has passed `chec
 
 from meshes.files.load import load, save
 from meshes.garments import GARMENTS, Pattern
+from meshes.garments.placing import upright, waist_by_shape
 from meshes.garments.prepare import prepare_garment, regions
 from meshes.garments.sleeve_and_skirt import skirt, sleeve
 from meshes.garments.trousers import SIZES, trousers
@@ -66,4 +67,6 @@ __all__ = [
     "split_triangles",
     "to_triangles",
     "trousers",
+    "upright",
+    "waist_by_shape",
 ]

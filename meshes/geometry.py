@@ -136,3 +136,18 @@ def coincident_pairs(points: np.ndarray, tolerance: float) -> np.ndarray:
         apart = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
         found.append(np.sort(pairs[apart <= tolerance], axis=1))
     return np.concatenate(found)
+
+
+def joined(points: np.ndarray, tolerance: float) -> np.ndarray:
+    """For each point (n,) the lowest of those it is joined to by steps of at most `tolerance`."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
+    n = len(points)
+    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    _, piece = connected_components(graph, directed=False)
+    lowest = np.full(n, n)
+    np.minimum.at(lowest, piece, np.arange(n))
+    return lowest[piece]

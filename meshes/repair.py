@@ -20,9 +20,10 @@ from .geometry import (
     diagonal,
     mean_normals,
 )
+from .sheets import components, seams, sheet_of_cells, turned_to_agree
 from .subdivide import elevate, split_triangles, to_triangles
-from .topology import boundary_segments, neighbour_lists
-from .validity import MeshError, check_arrays, check_manifold
+from .topology import boundary_segments, corner_count, neighbour_lists
+from .validity import MeshError, check_arrays, check_twins
 
 if TYPE_CHECKING:
     from .surface import Surface
@@ -64,14 +65,14 @@ def orient(
 
     Raises
     ------
-    MeshError : if a piece is one-sided (a Moebius strip) or more than two cells meet at an edge;
+    MeshError : if a piece is one-sided (a Moebius strip);
         ValueError if preferences compete or ``towards`` has no length.
     """
     if bool(outward) + (towards is not None) + bool(majority) > 1:
         raise ValueError("give at most one of outward, towards and majority")
     points, cells = surface.points, surface.cells
     check_arrays(points, cells, surface.source)
-    check_manifold(cells, surface.source)
+    check_twins(cells, surface.source)
     turn, piece = _flood(cells, surface.source)
 
     vectors = np.where(turn[:, None], -1.0, 1.0) * area_vectors(points, cells)
@@ -92,6 +93,9 @@ def orient(
     else:
         score = np.ones(piece.max() + 1, float)
     turn ^= (score < 0.0)[piece]
+    if seams(cells):
+        now = np.where(turn[:, None], cells[:, TURNED[cells.shape[1]]], cells)
+        turn ^= turned_to_agree(points, now, piece)[piece]
     if not turn.any():
         return surface
     cells = np.where(turn[:, None], cells[:, TURNED[cells.shape[1]]], cells)
@@ -190,9 +194,10 @@ def boundary_loops(surface: Surface) -> list[np.ndarray]:
     """Closed boundary lines as ordered point indices, longest first.
 
     Each is an array (k,) with the surface on its left; the last point joins the first. For 9-node
-    cells corners and middles alternate.
+    cells corners and middles alternate. What is sewn onto a garment has borders that are none of
+    the garment: they are left out.
     """
-    segments = boundary_segments(surface.cells)
+    segments = boundary_segments(_bordered(surface))
     leaving: dict[int, list[int]] = {}
     for row, tail in enumerate(segments[:, 0].tolist()):
         leaving.setdefault(tail, []).append(row)
@@ -214,6 +219,21 @@ def boundary_loops(surface: Surface) -> list[np.ndarray]:
         return np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
 
     return sorted(loops, key=length, reverse=True)
+
+
+def _bordered(surface):
+    """Cells whose borders are the garment's: of sheets sewn together the largest alone."""
+    points, cells = surface.points, surface.cells
+    crowded = seams(cells)
+    if not crowded:
+        return cells
+    sheet = sheet_of_cells(points, cells)
+    count = corner_count(cells)
+    touching = [(rows[0] // count, row // count) for rows in crowded for row in rows[1:]]
+    sewn = components(sheet[np.array(touching)], int(sheet.max()) + 1)
+    # sheets are numbered from the largest, so the first of each group is the garment
+    kept = np.unique(sewn, return_index=True)[1]
+    return cells[np.isin(sheet, kept)]
 
 
 def scaled_jacobian(surface: Surface) -> np.ndarray:

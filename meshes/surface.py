@@ -42,6 +42,7 @@ class Surface:
     panels : named groups of cell indices.
     source : file or generator, for messages.
     verify : False leaves out the check and the directors, for a mesh still to be repaired.
+    notes : what was chosen or mended where it comes from a file, a sentence each.
 
     Raises
     ------
@@ -63,6 +64,7 @@ class Surface:
     panels: dict = field(default_factory=dict)
     source: str = "surface"
     verify: bool = field(default=True, repr=False)
+    notes: tuple[str, ...] = field(default=(), repr=False)
 
     def __post_init__(self):
         put = object.__setattr__

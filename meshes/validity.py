@@ -13,10 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .geometry import area_vectors, coincident_pairs, diagonal, mean_normals, node_crosses
+from .sheets import seams
 from .topology import corner_count, directed_edges, edge_keys, neighbours, unique_edges
 
 if TYPE_CHECKING:
     from .surface import Surface
+
+
+STEEPEST = 60.0  # degrees between the director of a seam and the normals of its sheets
 
 
 class MeshError(ValueError):
@@ -41,7 +45,7 @@ def check(surface: Surface) -> None:
     check_arrays(points, cells, source)
     _check_unused(points, cells, source)
     _check_shapes(points, cells, source)
-    check_manifold(cells, source)
+    check_twins(cells, source)
     _check_sides(cells, source)
     _check_directions(surface)
     _check_names(surface)
@@ -64,6 +68,11 @@ def check_arrays(points: np.ndarray, cells: np.ndarray, source: str) -> None:
             f"{source}: cells have the shape {cells.shape}, give one row of 3, 4 or 9 point "
             "indices for each cell."
         )
+    check_indices(points, cells, source)
+
+
+def check_indices(points: np.ndarray, cells: np.ndarray, source: str) -> None:
+    """Raise MeshError unless points are finite and cells (m, k) name points that exist."""
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         raise MeshError(
@@ -126,8 +135,8 @@ def _check_shapes(points, cells, source):
         )
 
 
-def check_manifold(cells: np.ndarray, source: str) -> None:
-    """Raise MeshError for two equal cells or an edge of more than two cells."""
+def check_twins(cells: np.ndarray, source: str) -> None:
+    """Raise MeshError for two equal cells."""
     ordered = np.sort(cells, axis=1)
     rank = np.lexsort(ordered.T)
     same = (ordered[rank[1:]] == ordered[rank[:-1]]).all(axis=1)
@@ -135,17 +144,6 @@ def check_manifold(cells: np.ndarray, source: str) -> None:
         place = int(np.argmax(same))
         one, other = sorted((int(rank[place]), int(rank[place + 1])))
         raise MeshError(f"{source}: cells {one} and {other} have the same points, remove one.")
-    edges = directed_edges(cells)
-    first, number, count = unique_edges(edges, cells.max() + 1)
-    crowded = np.flatnonzero(count > 2)
-    if crowded.size:
-        tail, head = edges[first[crowded[0]], :2]
-        at_edge = np.flatnonzero(number == crowded[0]) // corner_count(cells)
-        raise MeshError(
-            f"{source}: the edge between points {tail} and {head} belongs to {len(at_edge)} cells "
-            f"{at_edge.tolist()}, a surface has at most two there: remove the inner sheet or give "
-            "it points of its own."
-        )
 
 
 def _check_sides(cells, source):
@@ -172,6 +170,10 @@ def _check_sides(cells, source):
 def _check_directions(surface):
     points, cells, source = surface.points, surface.cells, surface.source
     directors, warp = surface.directors, surface.warp
+    if directors is None and seams(cells):
+        normals = mean_normals(points, cells)
+        size = np.linalg.norm(normals, axis=1, keepdims=True)
+        _check_seams(points, cells, normals / np.maximum(size, 1e-12), source)
     if directors is not None:
         if directors.shape != points.shape:
             raise MeshError(
@@ -192,6 +194,7 @@ def _check_directions(surface):
                 f"{source}: the director of point {bad[0]} points against the normals of its "
                 f"cells ({bad.size} of {len(points)} points), turn the directors or the cells."
             )
+        _check_seams(points, cells, directors, source)
     if warp is not None:
         if warp.shape not in ((3,), (len(cells), 3)):
             raise MeshError(
@@ -205,6 +208,26 @@ def _check_directions(surface):
                 f"{source}: the warp direction {index} has no length or is not finite, give a "
                 "vector along the warp yarns."
             )
+
+
+def _check_seams(points, cells, directors, source):
+    """Sheets that meet three and more share directors: none may stand across the others."""
+    rows = np.concatenate([np.empty(0, np.int64), *seams(cells)])
+    if not rows.size:
+        return
+    at, ends = rows // corner_count(cells), directed_edges(cells)[rows, :2]
+    normals = area_vectors(points, cells[at])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    along = np.einsum("kni,ki->kn", directors[ends], normals)
+    if along.min() < np.cos(np.radians(STEEPEST)):
+        row, end = np.unravel_index(along.argmin(), along.shape)
+        angle = np.degrees(np.arccos(np.clip(along.min(), -1.0, 1.0)))
+        raise MeshError(
+            f"{source}: at the seam of more than two sheets at point {ends[row, end]} cell "
+            f"{at[row]} stands {angle:.0f} degrees off the others, and up to {STEEPEST:g} can be "
+            "computed: lay what is sewn on flat (collar, placket, pocket), or give it points of "
+            "its own."
+        )
 
 
 def _check_names(surface):
@@ -257,6 +280,6 @@ def _warn_coincident(surface):
         warnings.warn(
             f"{surface.source}: {len(np.unique(pairs[:, 1]))} points lie on another point without "
             f"being joined to it (first: points {pairs[0, 0]} and {pairs[0, 1]}); unless this is a "
-            "slit, join them with meshes.merge_duplicates(surface).",
+            "slit, join them with meshes.merge_duplicates(surface), or weld_m = 1e-6 in a scene.",
             stacklevel=5,
         )

@@ -14,6 +14,8 @@ used, so that reading a fabric card or drawing a picture does not start the fini
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from . import writable_folders
+from .all_ranks import watch_exceptions
 from .launcher import refuse_another
 
 if TYPE_CHECKING:
@@ -113,6 +115,8 @@ _HOMES = {
 }
 
 refuse_another()
+writable_folders.NOTES += writable_folders.provide()
+watch_exceptions()
 
 
 def __getattr__(name: str) -> Any:

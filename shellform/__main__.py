@@ -24,13 +24,17 @@ from . import console
 
 TEMPLATE = """\
 # A scene of shellform. Everything left out has the value shown; paths are relative to this file.
+# SI units; x is forward, y to the wearer's left, z up, the floor at 0.
 title = "trousers over an obstacle"
 fabric = "compliant"        # or "stiff", a card.toml, or a table as in a card
 belt_N = 20                 # tension of the belt; 0 for none
 
 [motion]
-file = "synthetic"          # or a capture: walk.c3d, walk.trc, walk.csv
+file = "synthetic"          # or a capture: walk.c3d, walk.trc, walk.csv, walk.bvh
+# static = "standing.trc"   # static trial, with markers that are taken off for the walk
 # map = "..."               # segment map of its markers, where none fits by itself
+# unit = "mm"               # and up = "z": of the capture, where it does not tell
+# max_gap_s = 0.1           # longest gap of a marker that is filled
 # start_s = 0.0             # part of the capture to use
 # end_s = 2.0
 obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for none
@@ -40,7 +44,15 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 # girths_m = { waist = 0.94, hip = 1.02, thigh = 0.62, calf = 0.39, ankle = 0.23 }
 
 [garment]
-# size = "large-regular"    # or file = "trousers.obj" with an edge named "waist"
+# size = "large-regular"
+# file = "trousers.obj"     # or .glb, .ply, .stl, .vtu, .vtk, .msh
+# unit = "m"                # of its coordinates: m, cm, mm or in
+# waist = "waist"           # its edge of that name; where the format has no names (.obj, .ply,
+                            # .stl, .glb) found by its shape; or "highest"
+# turn_deg = [0, 0, 90]     # about x, y, z, and
+# place_m = [0, 0, -0.3]    # then moved: where its shape does not tell
+# weld_m = 0.0              # joins seams that miss each other by less
+# midsurface = false        # of cloth exported with its thickness
 # measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
 # wrinkles = "auto"         # those smaller than a cell: "relaxed", or "resolved" by cells alone
 

@@ -5,18 +5,24 @@ Under mpirun rank 0 alone speaks: warnings, the bar, the lines of `say`.
 """
 
 import argparse
+import codecs
+import io
 import logging
+import os
+import signal
 import sys
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from mpi4py import MPI
 
-from .errors import NotConverged, Stopped, Unstable
+from . import writable_folders
+from .all_ranks import HEAD_START, end_all_ranks
+from .errors import Mendable, NotConverged, Stopped, Unstable
 
 COMM = MPI.COMM_WORLD  # all ranks of the program
 
@@ -33,6 +39,8 @@ def parse(
     """
     from petsc4py import PETSc
 
+    # PETSc takes a closed pipe for a crash; without its handler it is a BrokenPipeError, see `run`
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     known, rest = parser.parse_known_args(arguments)
     if rest and (rest[0].startswith("--") or not rest[0].startswith("-")):
         parser.error(f"unknown argument {rest[0]}")
@@ -72,16 +80,29 @@ def say(lines: Iterable[str]) -> None:
         print("\n".join(lines), flush=True)
 
 
-def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
-    """Call main(arguments); end all ranks on an error, in one sentence where it is known."""
+def run(
+    main: Callable,
+    arguments: Sequence[str] | None = None,
+    words: Mapping[str, str] | None = None,
+) -> None:
+    """Call main(arguments); end all ranks on an error, in one sentence where it is known.
+
+    words : how the program spells options that mend an input, see `shellform.errors.Mendable`
+    """
     be_quiet()
+    print_all_names()
+    for note in writable_folders.NOTES:
+        logging.getLogger("shellform").info(note)
     known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
-    world = MPI.COMM_WORLD
     try:
         main(arguments)
+        sys.stdout.flush()
         return
+    except BrokenPipeError:  # as in `shellform check ... | head -1`: no more is wanted
+        _leave_quietly()
     except known as error:
-        message, code = f"{_program()}: {error}", 2
+        said = error.in_words(words) if words and isinstance(error, Mendable) else error
+        message, code = f"{_program()}: {said}", 2
     except Stopped as stop:
         message, code = f"{_program()}: {stop}", 130
     except KeyboardInterrupt:
@@ -89,17 +110,38 @@ def run(main: Callable, arguments: Sequence[str] | None = None) -> None:
     except Exception:
         message, code = traceback.format_exc(), 1
     # one voice: an error that all ranks meet is printed by rank 0, which then ends the others
-    time.sleep(0.3 * world.rank)
+    time.sleep(HEAD_START if MPI.COMM_WORLD.rank else 0.0)
     print(message, file=sys.stderr, flush=True)
-    if world.size > 1:
-        world.Abort(code)
-    sys.exit(code)
+    end_all_ranks(code)
+
+
+def _leave_quietly() -> NoReturn:
+    """End as Unix tools do whose reader has gone: without a word, also when Python flushes."""
+    sys.stdout = open(os.devnull, "w")
+    end_all_ranks(128 + signal.SIGPIPE)
 
 
 def _program():
     """What the user called, without its folder."""
     name = Path(sys.argv[0]).name
     return "shellform" if name == "__main__.py" else name
+
+
+def print_all_names() -> None:
+    """Let stdout take names of files that are not UTF-8, as their bytes; stderr escapes them.
+
+    What else the terminal's encoding lacks is escaped.
+    """
+
+    def as_bytes(error: UnicodeError) -> tuple[str | bytes, int]:
+        try:
+            return codecs.lookup_error("surrogateescape")(error)
+        except UnicodeError:
+            return codecs.lookup_error("backslashreplace")(error)
+
+    codecs.register_error("shellform.names", as_bytes)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # others, as those of notebooks, take all
+        sys.stdout.reconfigure(errors="shellform.names")
 
 
 def be_quiet() -> None:

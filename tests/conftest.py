@@ -8,6 +8,7 @@ wait for it in their next collective call until a time-out.
 import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy loads its BLAS
+os.environ.setdefault("NUMBA_NRT_STATS", "1")  # numba counts what its code allocates
 
 import gc
 from pathlib import Path

@@ -14,10 +14,14 @@ PATIENCE = 600
 MPIRUN = Path(sys.prefix) / "bin/mpirun"
 # what a launcher tells its ranks; a program started by one must not take itself for a rank
 OF_A_LAUNCHER = ("OMPI_", "PMIX_", "PMI_", "PRTE_")
-OUTSIDE = {k: v for k, v in os.environ.items() if not k.startswith(OF_A_LAUNCHER)}
-OUTSIDE["OMP_NUM_THREADS"] = "1"
 
 needs_mpirun = pytest.mark.skipif(not MPIRUN.is_file(), reason=f"no {MPIRUN}: make setup")
+
+
+def outside():
+    """The environment without what a launcher has told this program."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(OF_A_LAUNCHER)}
+    return kept | {"OMP_NUM_THREADS": "1"}
 
 
 def command(ranks, *words):
@@ -30,5 +34,5 @@ def launch(ranks, *words, cwd=ROOT, timeout=PATIENCE):
     """Run a Python program on ranks; returns the completed process."""
     return subprocess.run(
         command(ranks, *words),
-        cwd=cwd, env=OUTSIDE, capture_output=True, text=True, timeout=timeout, check=False,
+        cwd=cwd, env=outside(), capture_output=True, text=True, timeout=timeout, check=False,
     )  # fmt: skip

@@ -2,6 +2,7 @@
 """What a command line shows: sentences, no paths of ours, nothing that other packages log."""
 
 import logging
+import subprocess
 import sys
 import warnings
 
@@ -51,7 +52,9 @@ def test_nothing_that_other_packages_log(capsys):
     ("error", "code"),
     [(ValueError("no such hem"), 2), (NotConverged("at level 0.5"), 2), (Stopped("at 1 s"), 130)],
 )
-def test_an_error_is_a_sentence(error, code, capsys):
+def test_an_error_is_a_sentence(error, code, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["demos/walk.py"])
+
     def main(_):
         raise error
 
@@ -59,7 +62,7 @@ def test_an_error_is_a_sentence(error, code, capsys):
         console.run(main)
     said = capsys.readouterr()
     assert stop.value.code == code and said.out == ""
-    assert said.err == f"{sys.argv[0]}: {error}\n"
+    assert said.err == f"walk.py: {error}\n"
 
 
 @pytest.mark.serial
@@ -74,3 +77,23 @@ def test_no_bar_without_a_terminal(capsys):
     assert list(console.progress(range(3), 3, "walk")) == [0, 1, 2]
     said = capsys.readouterr()
     assert said.out == said.err == ""
+
+
+@pytest.mark.serial
+def test_output_into_a_pipe_that_closes(tmp_path):
+    """As `| head -1`: the reader goes after a line, the program ends without a word."""
+    program = (
+        "import argparse\n"
+        "from shellform import console\n"
+        "def main(given=None):\n"
+        "    console.parse(argparse.ArgumentParser(), given)\n"
+        "    for i in range(100000):\n"
+        "        console.say([f'line {i}'])\n"
+        "console.run(main)\n"
+    )
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"line 0\n"
+        process.stdout.close()
+        said = process.stderr.read()
+    assert said == b"" and process.returncode == 141

@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from shellform.launcher import Launched, launched, mismatch
-from tests.ranks import OUTSIDE, ROOT
+from tests.ranks import ROOT, outside
 
 OPEN_MPI, MPICH = "Open MPI 4.1.4", "MPICH 5.0.2"
 
@@ -64,7 +64,7 @@ def test_programs_end_with_one_sentence(words):
         done = subprocess.run(
             [sys.executable, *words],
             cwd=ROOT,
-            env=OUTSIDE | {f"{other}_SIZE": "2", f"{other}_RANK": str(rank)},
+            env=outside() | {f"{other}_SIZE": "2", f"{other}_RANK": str(rank)},
             capture_output=True,
             text=True,
             timeout=60,

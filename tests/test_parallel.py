@@ -145,6 +145,29 @@ def test_a_failing_rank_ends_the_run(tmp_path):
 
 @needs_mpirun
 @pytest.mark.serial
+@pytest.mark.parametrize("fault", ["1 / 0", "raise KeyboardInterrupt", "class E(BaseException): 0"])
+@pytest.mark.parametrize("use", ["import shellform", "from shellform import Shell"])
+def test_a_failing_rank_of_a_plain_script_ends_the_run(use, fault, tmp_path):
+    """Whoever imports shellform needs no `-m mpi4py`; what was a hook before still has its say."""
+    script = tmp_path / "fails.py"
+    script.write_text(
+        "import sys\n"
+        "from mpi4py import MPI\n"
+        "sys.excepthook = lambda kind, error, trace: print('seen:', kind.__name__)\n"
+        f"{use}\n"
+        "world = MPI.COMM_WORLD\n"
+        "if world.rank == 1:\n"
+        f"    {fault}\n"
+        "    raise E('out')\n"
+        "world.Barrier()\n"
+    )
+    done = launch(2, script, timeout=60)
+    assert done.returncode not in (0, None)
+    assert done.stdout.count("seen: ") == 1
+
+
+@needs_mpirun
+@pytest.mark.serial
 def test_bad_input_ends_all_ranks_alike(tmp_path):
     """A mistake that every rank sees is raised on every rank: no rank is left waiting."""
     script = tmp_path / "mistaken.py"

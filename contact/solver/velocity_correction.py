@@ -222,6 +222,11 @@ class VelocityCorrection:
         set_friction(self._step, self._friction)
 
     @property
+    def segments(self) -> np.ndarray:
+        """Records (m,) SEGMENT of the body and its motion over the last step; to be read only."""
+        return self._segments
+
+    @property
     def start_pose(self) -> Pose:
         """Pose of the body at the start of the last step."""
         return self._start
@@ -287,7 +292,7 @@ class VelocityCorrection:
         """
         time = np.nan if self._end_time is None else self._end_time
         far = self._sets[FAR].view(float)
-        guards = self._guards.reshape(len(far), -1)
+        guards = self._guards.reshape(len(far), GUARDS * GUARD)
         table = np.column_stack([self._look[:3].T, far, self._look[3:].T, guards])
         return table, np.array([self._work["path"], time])
 
@@ -295,7 +300,7 @@ class VelocityCorrection:
         """Continue from `looks()`."""
         self._look[:3], self._look[3:] = table[:, :3].T, table[:, 4:6].T
         self._sets[FAR] = np.ascontiguousarray(table[:, 3]).view(np.int64)
-        self._guards.reshape(len(table), -1)[:] = table[:, 6:]
+        self._guards.reshape(len(table), GUARDS * GUARD)[:] = table[:, 6:]
         self._work["path"], time = body.tolist()
         if not np.isnan(time):
             self._end_time = time

@@ -1,4 +1,4 @@
-"""Surfaces from files and into files, through meshio: .msh, .vtu, .vtk, .obj, .stl and .ply.
+"""Surfaces from files and into files: .msh, .vtu, .vtk, .obj, .stl, .ply, and from .glb and .gltf.
 
 A file may mix cells, repeat points, face both ways or be in millimetres; what leaves `load` is one
 checked Surface in m. The names of edges and panels are gmsh's physical groups in .msh files, and
@@ -10,118 +10,196 @@ from __future__ import annotations
 
 import os
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from meshes.geometry import diagonal
-from meshes.repair import boundary_loops, clean, merge_duplicates, orient
+from meshes.geometry import diagonal, joined
+from meshes.midsurface import middle_surface, tell_thick
+from meshes.repair import boundary_loops, clean, orient
 from meshes.subdivide import carry, split_blocks, to_triangles
 from meshes.surface import Surface
 from meshes.topology import segments_of_line
-from meshes.validity import MeshError, check_arrays
+from meshes.validity import MeshError, check_indices
 
+from .faces import Choice, drop_twins, tidy_faces
 from .groups import drop_repeats, read_groups, with_groups
-from .readers import FORMATS, read_mesh
+from .mesh_data import Block
+from .readers import WRITTEN, read_mesh
+from .weld import tell_near_misses, weld_borders, welded_edges
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 # Nodes kept of each kind of cell: quadratic cells without a centre node are straightened.
+MANY_UNUSED = 0.1  # of the points
 _FACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 9}
 
 
-def load(path: str | Path, unit: str = "m", quads: str | None = None) -> Surface:
+def load(
+    path: str | Path,
+    unit: str = "m",
+    quads: str | None = None,
+    weld: float = 0.0,
+    midsurface: bool = False,
+) -> Surface:
     """Read the surface in a file.
 
     Parameters
     ----------
-    path : file with triangles, quads or 9-node quads. A mix of triangles and quads is cut into
-        quads throughout, conformingly.
+    path : file with triangles, quads, faces of more corners, or 9-node quads. A mix of triangles
+        and quads is cut into quads throughout, conformingly.
     unit : of the file's coordinates: 'm', 'cm', 'mm' or 'in'.
     quads : 'split' cuts triangles into three quads each; None keeps them.
+    weld : distance [m] within which borders are joined, points to points and points to sides; 0
+        for none.
+    midsurface : replace a closed thick sheet, as drawing programs export, by its middle surface.
 
     Returns
     -------
     Surface in m. Named edges and panels as in the file; without any named edge, the boundary
-    loops are called 'boundary_0', 'boundary_1', ..., longest first.
+    loops are called 'boundary_0', 'boundary_1', ..., longest first. Its `notes` say what was
+    chosen or mended and what looks wrong, one sentence each; what looks wrong or
+    was left out is warned of too.
 
     Raises
     ------
     MeshError : one sentence for a file that is missing, unreadable or holds no usable surface.
-        ValueError for an unknown unit or ``quads``.
+        ValueError for an unknown unit or ``quads``, or a negative ``weld``.
     """
-    path = Path(path)
-    name = path.name
     if unit not in UNITS:
         raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}")
     if quads not in (None, "split"):
         raise ValueError(f"quads must be None or 'split', not {quads!r}")
+    if not 0.0 <= weld < np.inf:
+        raise ValueError(f"weld must be a distance in m, 0 for none, not {weld!r}")
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ResourceWarning)  # files that meshio leaves open
+        surface = _surface(Path(path), unit, quads, weld, midsurface)
+    notes = dict.fromkeys((*surface.notes, *(str(warning.message) for warning in found)))
+    with warnings.catch_warnings():
+        # what the checks have warned of already
+        warnings.simplefilter("ignore")
+        surface = surface.replace(notes=tuple(notes))
+    for warning in found:
+        if warning.category is not Choice:
+            warnings.warn(str(warning.message), stacklevel=2)
+    return surface
+
+
+def _surface(path, unit, quads, distance, midsurface):
+    """See `load`."""
+    name = path.name
     mesh = read_mesh(path)
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
+    if path.suffix.lower() == ".stl":
+        points, mesh = _joined(points, mesh)
     blocks, origins = _faces(mesh, points, name)
-    edges, panels, warp = read_groups(mesh, origins, blocks, name)
+    _tell_unused(points, mesh, name)
+    scale = UNITS[unit]
+    points, whole = points * scale, blocks
+    straight = blocks[0].shape[1] != 9
+    label, inside = None, {}
+    if distance and straight:
+        blocks, origins, label, inside = weld_borders(points, blocks, origins, distance, name)
+    edges, panels, warp = read_groups(mesh, origins, whole, name)
     if "gmsh:physical" in mesh.cell_data:
         blocks, panels, warp = drop_repeats(blocks, panels, warp)
+    if label is not None:
+        edges = welded_edges(edges, label, inside)
+    if straight:
+        tell_near_misses(points, blocks, name)
     directors = _directors(mesh, points)
-    points = points * UNITS[unit]
     if len(blocks) > 1 or (quads == "split" and blocks[0].shape[1] == 3):
+        if len(blocks) > 1:
+            warnings.warn(
+                f"{name}: the mesh mixes triangles ({len(blocks[0])}) and quads "
+                f"({len(blocks[1])}): all are cut into quads of half their size.",
+                Choice,
+                stacklevel=2,
+            )
         points, cells, edges, directors, parents = split_blocks(points, blocks, edges, directors)
         panels, warp = carry(panels, warp, parents)
     else:
         cells = blocks[0]
-    surface = Surface(points, cells, edges, directors, warp, panels, name, verify=False)
-    if path.suffix.lower() == ".stl":
-        # The format knows no shared points, and its binary form only single precision.
-        surface = merge_duplicates(surface, 1e-7 * diagonal(points[np.unique(cells)]))
+    notes = tuple(f"{name}: {note}." for note in getattr(mesh, "notes", ()))
+    surface = Surface(
+        points, cells, edges, directors, warp, panels, name, verify=False, notes=notes
+    )
     surface = _same_side(clean(surface)).replace(verify=True)
     _warn_unit(surface, unit)
+    if midsurface:
+        surface = middle_surface(surface)
+    else:
+        tell_thick(surface)
     if surface.edges:
         return surface
     loops = boundary_loops(surface)
     lines = [segments_of_line(np.append(loop, loop[0]), surface.degree) for loop in loops]
-    named = {f"boundary_{k}": line for k, line in enumerate(lines)}
-    with warnings.catch_warnings():
-        # The check above has warned of coincident points already.
-        warnings.simplefilter("ignore")
-        return surface.replace(edges=named)
+    return surface.replace(edges={f"boundary_{k}": line for k, line in enumerate(lines)})
+
+
+def _joined(points, mesh):
+    """Points of a format in single precision, those joined that differ in the last digit."""
+    used = np.unique(np.concatenate([block.data.ravel() for block in mesh.cells] or [[]]))
+    if not len(used) or not np.isfinite(points).all():
+        return points, mesh
+    label = joined(points, 1e-7 * diagonal(points))
+    blocks = [Block(block.type, label[block.data]) for block in mesh.cells]
+    return points, replace(mesh, cells=blocks)
+
+
+def _tell_unused(points, mesh, name):
+    """Points without a cell are usual in few numbers; many mean that faces are missing."""
+    used = np.concatenate([np.ravel(block.data) for block in mesh.cells])
+    unused = len(points) - len(np.unique(used))
+    if unused > max(2, MANY_UNUSED * len(points)):
+        warnings.warn(
+            f"{name}: {unused} of {len(points)} points belong to no face and are left out; if the "
+            "file was cut short, export it again.",
+            stacklevel=2,
+        )
 
 
 def _faces(mesh, points, name):
     """Cell arrays by width (3 before 4, or 9 alone), and which block and row each comes from."""
     found = {}
     for number, block in enumerate(mesh.cells):
-        if block.type.startswith("polygon"):
-            raise MeshError(
-                f"{name}: {len(block.data)} faces have more than four corners, cut them into "
-                "triangles or quads before saving."
+        if not (block.type in _FACES or block.type.startswith("polygon")) or not len(block.data):
+            continue
+        cells = np.asarray(block.data, dtype=np.int64)
+        width = _FACES.get(block.type, cells.shape[-1])
+        cells = cells[:, :width]
+        if block.type in ("triangle6", "quad8"):
+            warnings.warn(
+                f"{name}: curved {block.type} cells are straightened; save 9-node quads to "
+                "keep the curvature.",
+                stacklevel=3,
             )
-        if block.type in _FACES and len(block.data):
-            width = _FACES[block.type]
-            cells = np.asarray(block.data, dtype=np.int64)[:, :width]
-            if block.type in ("triangle6", "quad8"):
-                warnings.warn(
-                    f"{name}: curved {block.type} cells are straightened; save 9-node quads to "
-                    "keep the curvature.",
-                    stacklevel=3,
-                )
-            origin = np.stack([np.full(len(cells), number), np.arange(len(cells))], axis=1)
-            found.setdefault(width, []).append((cells, origin))
+        origin = np.stack([np.full(len(cells), number), np.arange(len(cells))], axis=1)
+        found.setdefault((width, block.type == "quad9"), []).append((cells, origin))
     if not found:
         kinds = ", ".join(sorted({block.type for block in mesh.cells})) or "nothing"
         raise MeshError(
             f"{name}: the file holds no triangles or quads (but {kinds}), export the surface mesh."
         )
-    if 9 in found and len(found) > 1:
+    curved = (9, True) in found
+    if curved and len(found) > 1:
         raise MeshError(
             f"{name}: 9-node quads are mixed with other cells, save one kind of cell only."
         )
     blocks, origins = [], []
-    for width in sorted(found):
-        blocks.append(np.concatenate([cells for cells, _ in found[width]]))
-        origins.append(np.concatenate([origin for _, origin in found[width]]))
-        check_arrays(points, blocks[-1], name)
-    return blocks, np.concatenate(origins)
+    for kind in sorted(found):
+        blocks.append(np.concatenate([cells for cells, _ in found[kind]]))
+        origins.append(np.concatenate([origin for _, origin in found[kind]]))
+        check_indices(points, blocks[-1], name)
+    if curved:
+        return blocks, np.concatenate(origins)
+    blocks, where = tidy_faces(points, blocks, np.concatenate(origins), name)
+    # gmsh lists a cell once for every group it is in: `drop_repeats` joins these
+    return (blocks, where) if "gmsh:physical" in mesh.cell_data else drop_twins(blocks, where, name)
 
 
 def _directors(mesh, points):
@@ -176,8 +254,8 @@ def save(surface: Surface, path: str | Path) -> None:
     """
     path = Path(path)
     kind = path.suffix.lower()
-    if kind not in FORMATS:
-        raise MeshError(f"{path.name}: unknown file type '{kind}', use {', '.join(FORMATS)}.")
+    if kind not in WRITTEN:
+        raise MeshError(f"{path.name}: unknown file type '{kind}', use {', '.join(WRITTEN)}.")
     named = kind in (".msh", ".vtu", ".vtk")
     if surface.degree == 2 and not named:
         raise MeshError(f"{path.name}: {kind} files hold no curved cells, use .vtu or .msh.")

@@ -1,7 +1,7 @@
-"""Mesh files into meshio meshes: one sentence for every failure, and the detours some files need.
+"""Mesh files into points and faces: one sentence for every failure.
 
-meshio does the reading. It is helped where it refuses sound files: .obj with texture coordinates,
-as all drawing programs write it, and .msh in which only some parts belong to physical groups.
+meshio reads the formats of mesh generators, .msh, .vtu and .vtk; it is helped with .msh files in
+which only some parts belong to physical groups. Those of drawing programs are read beside this.
 """
 # SPDX-License-Identifier: LGPL-3.0-or-later
 
@@ -12,19 +12,31 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from meshes.gmsh_model import read_msh
 from meshes.validity import MeshError
+
+from .gltf import read_gltf
+from .mesh_data import MeshData
+from .obj import read_obj
+from .ply import read_ply
+from .stl import read_stl
 
 if TYPE_CHECKING:
     import meshio
 
-FORMATS = (".msh", ".vtu", ".vtk", ".obj", ".stl", ".ply")
+WRITTEN = (".msh", ".vtu", ".vtk", ".obj", ".stl", ".ply")
+FORMATS = (*WRITTEN, ".glb", ".gltf")
+_READERS = {
+    ".obj": read_obj,
+    ".ply": read_ply,
+    ".stl": read_stl,
+    ".glb": read_gltf,
+    ".gltf": read_gltf,
+}
 
 
-def read_mesh(path: Path) -> meshio.Mesh:
-    """The meshio mesh of the file at a Path.
+def read_mesh(path: Path) -> MeshData | meshio.Mesh:
+    """Contents of the file at a Path, as meshio arranges them.
 
     Raises
     ------
@@ -37,27 +49,34 @@ def read_mesh(path: Path) -> meshio.Mesh:
             f"{', '.join(FORMATS)}."
         )
     if not path.is_file():
-        raise MeshError(f"{path}: there is no such file, check the name and the folder.")
-    import meshio
-
-    # The reader prints its complaints and may even end the program; both become an exception.
+        raise MeshError(
+            f"{path.name}: there is no such file in {path.parent}, check the name and the folder."
+        )
     said = io.StringIO()
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            if kind == ".obj":
-                return _read_obj(path, meshio)
-            try:
-                return meshio.read(path)
-            except Exception:
-                if kind != ".msh":
-                    raise
-                return _read_msh(path, meshio)
+        if kind in _READERS:
+            return _READERS[kind](path)
+        return _read_by_meshio(path, said)
     except (Exception, SystemExit) as error:
-        reason = " ".join(f"{said.getvalue()} {error}".split())[:120]
-        raise MeshError(
-            f"{path.name}: the file cannot be read as {path.suffix} ({reason}), export it again "
-            "or convert it to .vtu."
-        ) from None
+        reason = " ".join(f"{said.getvalue()} {error}".split())[:160] or type(error).__name__
+    # only here: within `except` the error would go along, and with it the file that it left open
+    raise MeshError(
+        f"{path.name}: the file cannot be read as {path.suffix} ({reason}), export it again or "
+        "convert it to .vtu."
+    )
+
+
+def _read_by_meshio(path, said):
+    """By meshio, which prints its complaints and may even end the program."""
+    import meshio
+
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        try:
+            return meshio.read(path)
+        except Exception:
+            if path.suffix.lower() != ".msh":
+                raise
+            return _read_msh(path, meshio)
 
 
 def _read_msh(path, meshio):
@@ -66,28 +85,3 @@ def _read_msh(path, meshio):
         raise ValueError("it does not begin with $MeshFormat")
     points, cells, sets = read_msh(path)
     return meshio.Mesh(points, cells, cell_sets=sets)
-
-
-def _read_obj(path, meshio):
-    """Points, faces and groups of a .obj file; its objects count as groups if it has no groups."""
-    lines = [line.split() for line in path.read_text(errors="replace").splitlines()]
-    mark = "g" if any(line[:1] == ["g"] for line in lines) else "o"
-    titles, kept = [], []
-    for line in lines:
-        if line[:1] == ["v"]:
-            # Some programs append colours to the coordinates.
-            kept.append(line[:4])
-        elif line[:1] == ["f"]:
-            kept.append(line)
-        elif line[:1] == [mark]:
-            titles.append(" ".join(line[1:]))
-            kept.append(["g"])
-    mesh = meshio.read(io.StringIO("\n".join(map(" ".join, kept))), "obj")
-    groups = mesh.cell_data.pop("obj:group_ids", [])
-    for place, title in enumerate(titles):
-        rows = [np.flatnonzero(np.asarray(ids) == place) for ids in groups]
-        if title in mesh.cell_sets:
-            rows = [np.concatenate(pair) for pair in zip(mesh.cell_sets[title], rows)]
-        if title and sum(map(len, rows)):
-            mesh.cell_sets[title] = rows
-    return mesh

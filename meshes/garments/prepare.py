@@ -12,8 +12,9 @@ import numpy as np
 from meshes.files.load import UNITS
 from meshes.geometry import area_vectors, cell_centres
 from meshes.repair import TURNED, boundary_loops
+from meshes.sheets import components, main_sheet
 from meshes.surface import Locator, Surface
-from meshes.topology import corner_count, directed_edges, neighbours, segments_of_line
+from meshes.topology import corner_count, directed_edges, segments_of_line, unique_edges
 from meshes.validity import MeshError
 
 from .ring import polygon_length
@@ -45,11 +46,11 @@ def prepare_garment(surface: Surface, waist: str | Locator | None = None) -> Sur
     """
     surface = surface.replace(verify=True)
     source = surface.source
-    pieces = _pieces(surface.cells)
-    if pieces.max() > 0:
+    piece = pieces(surface.cells)
+    if piece.max() > 0:
         raise MeshError(
-            f"{source}: the garment is in {pieces.max() + 1} pieces (cells 0 and "
-            f"{int(np.argmax(pieces > 0))} are not joined), join them with "
+            f"{source}: the garment is in {piece.max() + 1} pieces (cells 0 and "
+            f"{int(np.argmax(piece > 0))} are not joined), join them with "
             "meshes.merge_duplicates, or dress them one by one."
         )
     loops = boundary_loops(surface)
@@ -124,16 +125,16 @@ def regions(surface: Surface) -> dict[str, np.ndarray]:
     }
 
 
-def _pieces(cells):
+def pieces(cells: np.ndarray) -> np.ndarray:
     """Number of the connected piece of each cell (m,), the first cell's being 0."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    one, other = neighbours(cells)[0].T
-    graph = coo_matrix((np.ones(len(one)), (one, other)), shape=(len(cells),) * 2)
-    number = connected_components(graph, directed=False)[1]
-    # Numbered in the order of their first cells.
-    _, first, inverse = np.unique(number, return_index=True, return_inverse=True)
+    edges = directed_edges(cells)
+    _, number, _ = unique_edges(edges, int(cells.max()) + 1)
+    order = np.argsort(number, kind="stable")
+    same = number[order[1:]] == number[order[:-1]]
+    pairs = np.stack([order[:-1], order[1:]], axis=1)[same] // corner_count(cells)
+    piece = components(pairs, len(cells))
+    # numbered in the order of their first cells
+    _, first, inverse = np.unique(piece, return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[inverse]
 
 
@@ -191,7 +192,7 @@ def _check_size(surface, loop):
         true, read = pairs[best]
         mend = (
             f"its coordinates look like {true} taken for {read}, which would be {meant[best]:.2f} "
-            f"m: give load(path, unit='{true}')"
+            f"m: give load(path, unit='{true}'), in a scene unit = \"{true}\" under [garment]"
         )
     raise MeshError(
         f"{surface.source}: the waist measures {girth:.3g} m round, which nobody wears; {mend}."
@@ -201,7 +202,8 @@ def _check_size(surface, loop):
 def _enclosed_volume(surface, loops):
     """Volume inside the garment in m^3, its openings closed by cones; negative if inside out."""
     points = surface.points - surface.points.mean(axis=0)
-    corners = surface.cells[:, : corner_count(surface.cells)]
+    cells = surface.cells[main_sheet(surface.points, surface.cells)]
+    corners = cells[:, : corner_count(cells)]
     faces = [corners[:, [0, k, k + 1]] for k in range(1, corners.shape[1] - 1)]
     volume = np.linalg.det(points[np.concatenate(faces)]).sum()
     for loop in loops:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact of a sheet with a body, said once for explicit and implicit steps: Eqs. 15 and 16.
 
+Segments thinner than the cells meet their edges besides in explicit steps; implicit ones warn.
+
 `stepper.add(Contact(body))` gives the running contact of that stepper: `ExplicitContact` or
 `ImplicitContact`.
 """

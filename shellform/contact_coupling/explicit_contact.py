@@ -6,9 +6,10 @@ met at half its thickness from the mid-surface.
 
 Where: at the nodes. The strains of 4-node quads follow the arcs between nodes, so nodes on the body
 are the sheet on the body. `samples=k` meets k x k points inside every cell besides, on its chords
-(contact/solver/cell_samples.py): for bodies thin enough to pass between nodes, at the price of
-nodes that stand off by h^2/(8 R) where cells bend around a body.
-`demos/strip_over_cylinder.py` measures both.
+(contact/solver/cell_samples.py), at the price of nodes that stand off by h^2/(8 R) where cells bend
+around a body. `demos/strip_over_cylinder.py` measures both.
+
+Segments thin enough to pass between nodes are met by the edges of cells too (edge_contact.py).
 
 Components of the displacement that a support holds are left to it: what contact would give them
 goes to the support. Nodes held in all three are not met.
@@ -29,7 +30,7 @@ from contact.solver.cell_samples import (
     particle_masses,
     shares,
     spread,
-    too_thin,
+    through_cells,
 )
 from contact.solver.contact_ledger import WORK, book_loss
 from contact.solver.friction import Friction
@@ -39,6 +40,7 @@ from shellform.fem.dolfinx_compat import Function, add_ghosts, cell_nodes, vecto
 from shellform.fem.partition import DOLFINX_ORDER
 
 from . import contact_checkpoint
+from .edge_contact import EdgeContact, has_longer_edges
 from .pressed_cells import PressedCells
 
 
@@ -65,7 +67,8 @@ class ExplicitContact(RunningContact):
     correction : VelocityCorrection, with its counters and ledgers, those of samples included
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
-    notes : list of str, ellipsoids that can pass between the points that are met
+    edges : EdgeContact, or None where every segment is thicker than the edges are long
+    notes : list of str, segments that can come through inside a cell
 
     Raises
     ------
@@ -97,19 +100,22 @@ class ExplicitContact(RunningContact):
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
+        self._free = np.empty_like(stepper.v)
         self.inner = None
         k: Any = 0 if samples == "nodes" else samples
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
+        self.edges = None
+        if has_longer_edges(body, stepper.shell.surface, offset):
+            self.edges = EdgeContact(stepper, self.correction, offset, recovery)
         self.pressed = None
         if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
             self.pressed = PressedCells(stepper)
-        size = stepper.shell.surface.mean_cell_size
-        self.notes = too_thin(body, size, offset, k)
+        self.notes = through_cells(body, stepper.shell.surface.mean_cell_size, offset, k)
 
     @property
     def active(self) -> int:
-        return self.correction.active
+        return self.correction.active + (0 if self.edges is None else self.edges.active)
 
     @property
     def sticking(self) -> int:
@@ -121,7 +127,8 @@ class ExplicitContact(RunningContact):
 
     @property
     def max_depth(self) -> float:
-        return self.correction.max_depth
+        depth = self.correction.max_depth
+        return depth if self.edges is None else max(depth, self.edges.max_depth)
 
     @property
     def pinch_depth(self) -> float:
@@ -175,20 +182,21 @@ class ExplicitContact(RunningContact):
         still = ~np.isfinite(self._mass)
         self._mass[still] = 1.0
         self._points, self._after = np.empty((k, 9)), np.empty((k, 9))
-        self._free = np.empty_like(stepper.v)
         self.inner = VelocityCorrection(body, k, friction, offset, fixed=still, **self._how)
 
     def __call__(self, stepper: Any, dt: float) -> None:
         start = time.perf_counter()
         v, last = stepper.v, self.correction.last
         positions(stepper.points, stepper.owned, self._x)
-        if self.inner is not None:
+        if self.inner is not None or self.edges is not None:
             np.copyto(self._free, v)
         self.correction(self._x, v, stepper.mass, dt, stepper.time, v_old=stepper.v_old)
         if len(self._guided):
             self._give_back(stepper, last.impulse, book=True)
         if self.inner is not None:
             self._meet_inside(stepper, dt)
+        if self.edges is not None:
+            self._meet_edges(stepper, dt)
         if self.pressed is not None:
             work = self.pressed.look(stepper, self.bed_stiffness)
             for ledger in (last, self.window):
@@ -245,6 +253,16 @@ class ExplicitContact(RunningContact):
             ledger.table += inner.last.table
             ledger.impulse += impulse
         outer.add_counts(inner)
+
+    def _meet_edges(self, stepper, dt):
+        """Contact of edges with thin segments, after that of nodes and samples."""
+        met = self.edges.meet(stepper, self._x, self._free, dt)
+        if met is None:
+            return
+        impulse, table = met
+        for ledger in (self.last, self.window):
+            ledger.table += table
+            ledger.impulse += impulse
 
     def touched(self) -> Any:
         """What the next step needs to know of this one (copies)."""

@@ -21,6 +21,7 @@ impact loss.
 """
 
 import time
+import warnings
 from typing import Any
 
 from mpi4py import MPI
@@ -30,6 +31,7 @@ import numpy as np
 from contact.body.pose_check import require_no_jump
 from contact.body.segments import Body
 from contact.solver import active_set, held_nodes
+from contact.solver.cell_samples import too_thin
 from contact.solver.contact_ledger import Ledger
 from contact.solver.friction import Friction, as_friction
 from contact.solver.held_nodes import FIXED, OPEN, SolvedStep
@@ -54,6 +56,7 @@ class ImplicitContact(RunningContact):
     Attributes
     ----------
     body, last, window, ... : see RunningContact; active, sticking : nodes held after the last step
+    notes : list of str, segments that can pass between nodes; they are warned of
     rounds : int, active sets tried so far; unsettled : int, steps taken with a set still changing
     seconds : float, spent outside the solves
     """
@@ -75,6 +78,9 @@ class ImplicitContact(RunningContact):
         offset = 0.5 * shell.fabric.thickness if offset is None else float(offset)
         if not 0 <= offset < np.inf:
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
+        self.notes = too_thin(body, shell.surface.mean_cell_size, offset)
+        for note in self.notes:
+            warnings.warn(note, stacklevel=4)
         self.body, self._segments = body, segment_records(body)
         self._extents = np.array([shape.half_extents for shape in body.shapes])
         self._friction, self._recovery = as_friction(friction), float(recovery)

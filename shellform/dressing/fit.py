@@ -10,6 +10,7 @@ from shellform.fem.arc import arc_lengths
 
 from .belt import Belt, Ring
 
+BEARS = 0.1  # elongation beyond which woven cloth tears or seams open
 AWAY = 2  # cells from the waist that count as the belt's
 
 
@@ -49,6 +50,15 @@ def fit(stepper: Newmark, belt: Belt) -> dict:
         "belt_pressed": pressed,
         "pinched": comm.allreduce(contact.pinched),
     }
+
+
+def too_stretched(stretch: float) -> str:
+    """What a dressed garment stretched by more than BEARS says to a person."""
+    return (
+        f"warning: the dressed cloth is stretched by {100 * stretch:.0f} %, and woven cloth bears "
+        f"about {100 * BEARS:.0f} %: torques are those of a garment too small or caught on the "
+        "body; take a larger size, or check its place and the wearer's girths"
+    )
 
 
 def near_waist(surface: Surface) -> np.ndarray:

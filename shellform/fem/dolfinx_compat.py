@@ -18,22 +18,25 @@ from petsc4py import PETSc
 import numpy as np
 
 import basix
-import dolfinx
 import ufl
-from dolfinx import cpp, fem, jit, la
-from dolfinx.fem import Constant as Constant
-from dolfinx.fem import Function as Function
-from dolfinx.fem import FunctionSpace as FunctionSpace
-from dolfinx.fem import assemble_scalar as assemble_scalar
-from dolfinx.fem import petsc as fem_petsc
-from dolfinx.mesh import Mesh as Mesh
 from ufl.core.expr import Expr as Expr
 
+from .killed_compile import compiles
+from .plain_arguments import plain_arguments
 from .quiet_compiler import quiet_compiler
 
+with plain_arguments():
+    import dolfinx
+    from dolfinx import cpp, fem, jit, la
+    from dolfinx.fem import Constant as Constant
+    from dolfinx.fem import Function as Function
+    from dolfinx.fem import FunctionSpace as FunctionSpace
+    from dolfinx.fem import assemble_scalar as assemble_scalar
+    from dolfinx.fem import petsc as fem_petsc
+    from dolfinx.mesh import Mesh as Mesh
+
 VERSION = dolfinx.__version__
-# a rank that waits for another rank's compiler must not give up
-JIT = {"timeout": 600}
+JIT = {"timeout": 600}  # a rank that waits for another rank's compiler must not give up
 release = tuple(int(n) for n in VERSION.split(".")[:3] if n.isdigit())
 if release < (0, 5, 2):
     raise ImportError(f"dolfinx {VERSION} is too old for shellform, which needs 0.5.2 or newer")
@@ -60,7 +63,7 @@ def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
     jit_options: dict[str, Any] = {_OPTIONS: JIT | options}
     for form in (form for group in groups for form in group):
         form.signature()
-    with quiet_compiler(_forms_folder(), sum(map(len, groups))):
+    with quiet_compiler(_forms_folder(), compiles(groups), sum(map(len, groups))):
         return [tuple(fem.form(form, **jit_options) for form in group) for group in groups]
 
 
@@ -93,14 +96,23 @@ def surface_mesh(
     }
     if "ghost_mode" in _TO_MAKE:
         given["ghost_mode"] = dolfinx.mesh.GhostMode.none
-    with quiet_compiler(_forms_folder()):
-        return dolfinx.mesh.create_mesh(comm, **given)
+    with quiet_compiler(_forms_folder(), first):
+        try:
+            return dolfinx.mesh.create_mesh(comm, **given)
+        except RuntimeError as error:
+            if "adjacency lists" not in str(error):
+                raise
+            # seen in 0.5.2 with a patch sewn on all around
+            raise ValueError(
+                f"dolfinx cannot share this branching surface out over {comm.size} ranks (three "
+                "cells and more at an edge): run it on one rank"
+            ) from None
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:
     """Space of fields with `width` components: 'Lagrange', or 'DG', one polynomial a cell."""
     element = _element(family, cell_name(mesh), degree, width)
-    with quiet_compiler(_forms_folder()):
+    with quiet_compiler(_forms_folder(), mesh.comm.rank == 0):
         return getattr(fem, "functionspace", FunctionSpace)(mesh, element)
 
 

@@ -8,26 +8,30 @@ by the command lines and says nothing elsewhere unless it is asked for.
 import logging
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+
+from .killed_compile import alone
 
 LOG = logging.getLogger("shellform")
 
 
 @contextmanager
-def quiet_compiler(folder: Path, forms: int = 0) -> Iterator[None]:
+def quiet_compiler(folder: Path, compiles: bool, forms: int = 0) -> Iterator[None]:
     """Keep a compiler's words from the terminal, and say how long forms took, if any was new.
 
     Parameters
     ----------
-    folder : where compiled forms are kept; forms : number of those asked for, 0 to say nothing
+    folder : where compiled forms are kept; compiles : whether this rank compiles, for the others
+    forms : number of those asked for, 0 to say nothing
     """
     root, disabled = logging.root, logging.root.manager.disable
     before = root.level, root.handlers[:]
     cached, start = _changed(folder), time.perf_counter()
     logging.disable(logging.INFO)
     try:
-        yield
+        with alone(folder) if compiles else nullcontext():
+            yield
     finally:
         logging.disable(disabled)
         root.setLevel(before[0])

@@ -113,11 +113,12 @@ def read_fabric(path: str | Path) -> Fabric:
     >>> fabric.thickness > 0
     True
     """
-    with open(path, "rb") as file:
-        try:
-            card = tomllib.load(file)
-        except tomllib.TOMLDecodeError as error:
-            raise FabricError(f"{path}: not a TOML file: {error}.") from None
+    data = Path(path).read_bytes()
+    try:
+        # some editors put a mark of the byte order in front
+        card = tomllib.loads(data.decode("utf-8-sig"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise FabricError(f"{path}: not a TOML file: {error}.") from None
     return fabric_from_card(card, str(path))
 
 

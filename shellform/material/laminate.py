@@ -62,8 +62,11 @@ def symmetric(name: str, value: ArrayLike, size: int, unit: str) -> np.ndarray:
         raise FabricError(f"{name} = {value!r} is not a matrix of numbers.") from None
     if matrix.shape != (size, size):
         raise FabricError(f"{name} has shape {matrix.shape}, not ({size}, {size}).")
-    if not np.isfinite(matrix).all():
-        raise FabricError(f"{name} holds a value that is not finite: {matrix.tolist()} {unit}.")
+    # beyond 1e30 products overflow, and no cloth is stiffer than 1e12
+    if not (np.abs(matrix) < 1e30).all():
+        raise FabricError(
+            f"{name} holds a value that is not finite or beyond 1e30: {matrix.tolist()} {unit}."
+        )
     gap = abs(matrix - matrix.T).max()
     if gap > 1e-9 * abs(matrix).max():
         raise FabricError(f"{name} is not symmetric: mirrored entries differ by {gap:g} {unit}.")

@@ -8,10 +8,13 @@ from mpi4py import MPI
 
 
 def write_atomically(path: str | Path, text: str) -> None:
-    """Write a text file so that readers see either the old or the whole new one."""
+    """Write a text file so that readers see either the old or the whole new one.
+
+    It is UTF-8; names of files in it that are not keep their bytes (PEP 383).
+    """
     path = Path(path)
     part = path.with_name(path.name + ".part")
-    part.write_text(text)
+    part.write_text(text, encoding="utf-8", errors="surrogateescape")
     os.replace(part, path)
 
 

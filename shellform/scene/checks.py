@@ -18,7 +18,14 @@ from .parts import PARTS
 if TYPE_CHECKING:
     from .scene import Scene
 
-KINDS = {str: "a text", int: "a whole number", float: "a number", dict: "a table"}
+KINDS = {
+    str: "a text",
+    int: "a whole number",
+    float: "a number",
+    dict: "a table",
+    list: "a list",
+    bool: "true or false",
+}
 # what numbers may be, with what a number outside is likely to be
 RANGES = {
     "belt": (0, 500, "a belt of 5 to 50 N is usual"),
@@ -30,6 +37,7 @@ RANGES = {
     "motion.strides": (1, 50, "four as in the paper"),
     "person.stature": (1.0, 2.3, "a stature in m, as 1.76"),
     "person.mass": (25, 250, "a mass in kg, as 80"),
+    "garment.weld": (0, 0.02, "a distance in m, as 1e-4; 0 joins nothing"),
     "garment.cell_size": (0.004, 0.1, "a length in m, as 0.025"),
     "contact.friction": (0, 10, "0.3 is usual for cloth on skin, 1 for rubber"),
     "contact.kinetic_friction": (0, 10, "not above the static friction"),
@@ -88,6 +96,13 @@ def check_numbers(scene: Scene) -> None:
             continue
         if not low <= value <= high:
             raise ValueError(f"{where} = {value:g} lies outside {low:g} to {high:g}: {hint}")
+    for name in ("turn", "place"):
+        value = getattr(scene.garment, name)
+        if value is not None and not (
+            len(value) == 3 and all(_is(v, float) and abs(v) <= 1e3 for v in value)
+        ):
+            what = "angles in degrees about x, y, z" if name == "turn" else "a shift in m"
+            raise ValueError(f"garment.{name} is three numbers, {what}, not {value!r}")
     check_accuracy(scene.steps.accuracy)
     if scene.steps.dressing not in ("shell", "particles"):
         raise ValueError(f"steps.dressing is shell or particles, not {scene.steps.dressing!r}")

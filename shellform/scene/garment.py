@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The garment of a scene: made by measures or read from a file, placed where the wearer stands."""
 
+import warnings
 from inspect import signature
+from pathlib import Path
 
 import numpy as np
 
 import meshes
 from shellform.fem.wrinkles import folds_resolved
 from shellform.material.sheet import Sheet
+from shellform.motion.recording import SIDES
 from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
 
@@ -16,6 +19,8 @@ from .parts import Garment
 from .scene import Scene
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
+ASIDE, HIGHER = 0.05, 0.08  # a garment off its wearer's waist by more is moved there [m]
+HEM = 0.06  # height of the hems of trousers over the floor, at least [m]
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
 
 
@@ -30,8 +35,8 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     pattern = pattern_of(scene.garment)
     height, middle, heading = stance(wearer)
     if scene.garment.file is not None:
-        surface = meshes.load(scene.garment.file, unit=scene.garment.unit)
-        surface = meshes.prepare_garment(surface, waist=scene.garment.waist)
+        waist = waist_height(wearer) - middle[2] + height
+        surface = from_file(scene.garment, scene.garment.file, waist)
     else:
         waist = waist_height(wearer) - middle[2] + height
         surface = made_by_measures(scene.garment, pattern, scene.cell_size, height, waist)
@@ -40,6 +45,89 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     surface = surface.transform(turn, (*middle[:2], middle[2] - height))
     check_fit(surface, wearer)
     return surface
+
+
+def from_file(garment: Garment, file: str | Path, waist_height: float) -> meshes.Surface:
+    """The garment of a file, upright over the floor, its waist as high as the wearer's [m].
+
+    It is turned and moved as the scene says, or, where it says nothing, as its shape tells; what
+    was found is in the surface's `notes`.
+    """
+    with warnings.catch_warnings():
+        # they are among the notes, which `check` and `run` print
+        warnings.simplefilter("ignore")
+        surface = meshes.load(file, garment.unit, weld=garment.weld, midsurface=garment.midsurface)
+    waist = garment.waist
+    found: list[str] = []
+    if garment.turn is not None:
+        x, y, z = (rotation_about(axis, a) for axis, a in enumerate(garment.turn))
+        surface = surface.transform(rotation=z @ y @ x)
+    else:
+        loop = waist_loop(surface, waist)
+        if loop is not None:
+            turn, found = meshes.upright(surface, loop)
+            surface = surface.transform(rotation=turn)
+    if waist == "waist" and waist not in surface.edges:
+        loop = meshes.waist_by_shape(surface)
+        girth = np.linalg.norm(
+            surface.points[loop] - surface.points[np.roll(loop, 1)], axis=1
+        ).sum()
+        found.append(f"the opening of {girth:.2f} m is the waist")
+        surface = surface.with_edges(waist=np.stack([loop, np.roll(loop, -1)], axis=1))
+        waist = "waist"
+    surface = meshes.prepare_garment(surface, waist=waist)
+    if garment.place is not None:
+        surface = surface.transform(translation=garment.place)
+    elif garment.turn is None:
+        middle = surface.points[np.unique(surface.edges["waist"])].mean(axis=0)
+        shift = np.array([-middle[0], -middle[1], waist_height - middle[2]])
+        shift[:2] *= np.hypot(*shift[:2]) > ASIDE
+        shift[2] *= abs(shift[2]) > HIGHER
+        # legs on the feet would be caught there and torn: the waist has some play
+        hems = [surface.edges[f"{side}_hem"] for side in SIDES if f"{side}_hem" in surface.edges]
+        if hems:
+            lowest = surface.points[np.concatenate(hems)[:, :2], 2].min() + shift[2]
+            lifted = shift[2] + HEM - lowest
+            if lowest < HEM - 0.01 and middle[2] + lifted - waist_height <= HIGHER:
+                shift[2] = lifted
+        if shift.any():
+            surface = surface.transform(translation=shift)
+            found.append(f"moved by {np.round(shift, 3).tolist()} m to the wearer's waist")
+    if not found:
+        return surface
+    said = "; ".join(found)
+    note = f"{surface.source}: {said} (otherwise by turn_deg, place_m, waist under [garment])."
+    return surface.replace(notes=(*surface.notes, note))
+
+
+def waist_loop(surface: meshes.Surface, waist: str) -> np.ndarray | None:
+    """Points (k,) of the loop called `waist`, or of the one that is the waist by its shape.
+
+    None where that does not tell, but the highest is asked for.
+    """
+    if waist in surface.edges:
+        return surface.edges[waist][:, 0]
+    if waist == "highest":
+        try:
+            return meshes.waist_by_shape(surface)
+        except meshes.MeshError:
+            return None
+    if waist != "waist":
+        known = ", ".join(f"'{name}'" for name in surface.edges) or "none"
+        raise ValueError(
+            f"{surface.source}: there is no edge '{waist}' (edges: {known}), name the waist of the "
+            "garment, give waist='highest', or leave garment.waist out"
+        )
+    return meshes.waist_by_shape(surface)
+
+
+def rotation_about(axis: int, degrees: float) -> np.ndarray:
+    """Rotation (3, 3) about a coordinate axis."""
+    out = np.eye(3)
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    out[[i, i, j, j], [i, j, i, j]] = c, -s, s, c
+    return out
 
 
 def pattern_of(garment: Garment) -> meshes.Pattern:

@@ -14,8 +14,9 @@ def with_unit(default: Any, unit: str) -> Any:
 class Motion:
     """A captured motion, or the synthetic walk of `shellform.motion.gait.synthetic_walk`.
 
-    file : 'synthetic' or a C3D, TRC or CSV file; map : name or file of a segment map, None: the one
-    that fits; unit, up : of the file, where it does not tell; cutoff : of the low-pass [Hz];
+    file : 'synthetic' or a C3D, TRC, CSV or BVH file; static : file of a static trial with markers
+    that are taken off for the walk; map : name or file of a segment map, None: the one that fits;
+    unit, up : of the files, where they do not tell; cutoff : of the low-pass [Hz];
     max_gap : longest gap filled [s]; start, end : part of the recording used [s]; initiation : time
     from standing into its first frame [s], None: 1 s, or longer as joints need; strides, obstacle
     (height [m], 0 for none) : of the synthetic walk.
@@ -29,6 +30,7 @@ class Motion:
     """
 
     file: str | Path = "synthetic"
+    static: str | Path | None = None
     map: str | Path | None = None
     unit: str | None = None
     up: str | None = None
@@ -61,6 +63,9 @@ class Garment:
     """A garment by size or measures, or a mesh file.
 
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
+    turn : angles about x, then y, then z [deg], and place : shift after it [m], which bring it to
+    x forward, y left, z up, the floor at 0, None: found from its shape and the wearer; weld :
+    distance within which its borders are joined [m]; midsurface : of a file with thick cloth;
     kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
     arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy;
     wrinkles : 'relaxed', those smaller than a cell take what compression they cannot bear,
@@ -77,6 +82,10 @@ class Garment:
     file: str | Path | None = None
     unit: str = "m"
     waist: str = "waist"
+    turn: list | None = field(default=None, metadata={"unit": "deg"})
+    place: list | None = field(default=None, metadata={"unit": "m"})
+    weld: float = with_unit(0.0, "m")
+    midsurface: bool = False
     kind: str = "trousers"
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})

@@ -17,6 +17,7 @@ Everything left out has its default; `write` puts down a scene in full.
 
 import difflib
 import json
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import Field, fields, replace
@@ -33,7 +34,7 @@ from .parts import PARTS
 from .scene import Scene
 
 # what may be a file, relative to that of the scene
-FILES = (("motion", "file"), ("motion", "map"), ("garment", "file"))
+FILES = (("motion", "file"), ("motion", "static"), ("motion", "map"), ("garment", "file"))
 
 
 def key_of(item: Field) -> str:
@@ -58,17 +59,24 @@ def read_scene(path: str | Path) -> Scene:
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file; `shellform new {path}` writes a scene")
-    with open(path, "rb") as file:
-        try:
-            data = tomllib.load(file)
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise ValueError(f"{path}: not a TOML file: {error}") from None
+    try:
+        # editors on Windows put a byte-order mark first; names of files may be of any bytes
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig", errors="surrogateescape"))
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path}: not a TOML file: {error}") from None
+    if any("\udc80" <= letter <= "\udcff" for letter in str(data.get("title", ""))):
+        raise ValueError(f"{path}: the title is not in UTF-8: save the file in that encoding")
     return scene_from(data, str(path), path.parent)
+
+
+def _spelt(text):
+    """Name of a file as Python has it on this system, of the bytes that a scene's file has."""
+    return os.fsdecode(text.encode("utf-8", "surrogateescape"))
 
 
 def _is_file(key, path):
     """A map may be a name; what else names a file is told to be missing where it is read."""
-    return key == "file" or path.is_file()
+    return key in ("file", "static") or path.is_file()
 
 
 def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Path()) -> Scene:
@@ -84,11 +92,15 @@ def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Pat
     values |= _named(data, top, where, more=[f"[{name}]" for name in PARTS])
     for name, key in FILES:
         file = getattr(values[name], key)
-        if isinstance(file, str) and file != "synthetic" and _is_file(key, folder / file):
-            values[name] = replace(values[name], **{key: str(folder / file)})
+        if isinstance(file, str) and file != "synthetic":
+            path = folder / _spelt(file)
+            if _is_file(key, path):
+                values[name] = replace(values[name], **{key: str(path)})
     try:
         if "fabric" in values:
-            values["fabric"] = fabric_of(values["fabric"], folder, where)
+            fabric = values["fabric"]
+            fabric = _spelt(fabric) if isinstance(fabric, str) else fabric
+            values["fabric"] = fabric_of(fabric, folder, where)
         return Scene(**values)
     except FabricError:
         raise

@@ -10,6 +10,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from meshes import Surface
+from shellform.errors import Mendable
 from shellform.motion import anthropometry
 from shellform.motion.capture.gait_initiation import gait_initiation
 from shellform.motion.gait.standing_pose import standing_of
@@ -21,6 +22,17 @@ from shellform.motion.wearer import Wearer
 
 from .reach import reachable
 from .scene import Scene
+
+# options of a capture as keys of a scene's [motion]
+KEYS = {
+    "cutoff": "cutoff_Hz",
+    "map": 'map = "..."',
+    "max_gap": "max_gap_s = ...",
+    "static": 'static = "..."',
+    "unit": 'unit = "..."',
+    "up": 'up = "..."',
+    "window": "start_s and end_s",
+}
 
 
 def wearer_of(scene: Scene) -> Wearer:
@@ -48,9 +60,19 @@ def wearer_of(scene: Scene) -> Wearer:
                 -np.inf if motion.start is None else motion.start,
                 np.inf if motion.end is None else motion.end,
             )
-        recording = read_motion(
-            motion.file, motion.map, motion.unit, motion.up, motion.cutoff, motion.max_gap, window
-        )
+        try:
+            recording = read_motion(
+                motion.file,
+                static=motion.static,
+                map=motion.map,
+                unit=motion.unit,
+                up=motion.up,
+                cutoff=motion.cutoff,
+                max_gap=motion.max_gap,
+                window=window,
+            )
+        except Mendable as error:
+            raise Mendable(error.fact, error.mend, KEYS) from None
     standing = standing_of(recording)
     if not at_rest(recording, standing):
         recording = gait_initiation(recording, standing, motion.initiation)

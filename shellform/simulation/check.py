@@ -11,11 +11,11 @@ import numpy as np
 
 from shellform.dressing.procedure import Dressing
 from shellform.fem.wrinkles import folds_resolved
-from shellform.motion.stance import stance
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import as_scene
 
 from .model import Model
+from .motion_lines import motion_lines
 from .plan import plan_lines, plan_of
 
 TIMED = 200  # steps
@@ -43,27 +43,11 @@ def check(scene: Scene | str | Path, comm: MPI.Comm = MPI.COMM_WORLD) -> list[st
     model = Model(scene, comm)
     return [
         scene.title,
-        *_motion_lines(model),
+        *motion_lines(model),
         *_garment_lines(model),
         *plan_lines(plan_of(scene, model.whole, model.surface, model.wearer.names)),
         *_cost_lines(model),
     ]
-
-
-def _motion_lines(model: Model) -> list[str]:
-    """The recording, its stride, what was mended in it."""
-    wearer, recording = model.whole, model.whole.recording
-    facts, height = recording.facts, stance(wearer)[0]
-    lines = [
-        f"motion     {recording.source}: {wearer.start:.3f} to {wearer.end:.3f} s, "
-        f"{recording.rate:.4g} frames a second, hips {height:.3f} m high"
-    ]
-    if facts.get("stride_length"):
-        lines.append(
-            f"           stride {facts['stride_length']:.3f} m, cadence {facts['cadence']:.1f} "
-            "steps/min"
-        )
-    return lines + [f"           {note}" for note in [*recording.notes, *model.contact.notes]]
 
 
 def _garment_lines(model: Model) -> list[str]:
@@ -74,6 +58,7 @@ def _garment_lines(model: Model) -> list[str]:
         f"garment    {surface.source}: {len(surface.cells)} cells of {1e3 * size:.0f} mm, "
         f"{len(surface.points)} nodes, {5 * len(surface.points)} dofs, "
         f"{model.weight:.3f} N",
+        *(f"           {note}" for note in surface.notes),
         *(f"           {line}" for line in fabric.summary().splitlines()),
     ]
     if model.shell.relaxed:

@@ -215,6 +215,7 @@ class Processes:
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
                 text=True,
+                errors="backslashreplace",
                 env=environment(),
             )
             self._running[k] = process

@@ -18,6 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from shellform.console import progress
+from shellform.dressing.fit import BEARS, too_stretched
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.errors import Stopped, Unstable
@@ -29,6 +30,7 @@ from shellform.scene.scene_file import as_scene, read_scene, write_scene
 
 from .interrupt import Interrupt
 from .model import Model
+from .motion_lines import motion_lines
 from .prediction import accuracy_entry, prediction_lines, tricks
 from .recorders import Recorders, dressing_watcher, write_frame
 from .summary import describe, settings, summary
@@ -70,7 +72,8 @@ def run(
     dressed : file of a dressed state (`OUT/dressed.npz` of a run of the same garment and wearer),
         which is then not made anew
     watch : function of (stage, model), called at every frame while dressing and walking
-    lines : whether rank 0 prints what is predicted of errors and time
+    lines : whether rank 0 prints what was read of a capture, and what is predicted of errors and
+        time
 
     Raises
     ------
@@ -91,7 +94,9 @@ def run(
             (out / name).unlink(missing_ok=True)
         write_scene(scene, out / "scene.toml")
         if lines:
-            print("\n".join(prediction_lines(model)), flush=True)
+            told = [] if scene.motion.file == "synthetic" else motion_lines(model)
+            told += model.surface.notes
+            print("\n".join([*told, *prediction_lines(model)]), flush=True)
     series = Series(out)
     with report.stage("solve"):
         if dressed is None:
@@ -101,6 +106,8 @@ def run(
         save(out / "dressed.npz", model.stepper, model.wearer)
     if comm.rank == 0 and not fit["settled"]:
         print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
+    if comm.rank == 0 and fit["stretch"] > BEARS:
+        print(too_stretched(fit["stretch"]), flush=True)
     model.contact.reset()
     write_frame(model, series, np.zeros(3))
     recorders = Recorders(model, out)

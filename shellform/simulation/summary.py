@@ -42,7 +42,7 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
         "stride_length": facts.get("stride_length"),
         "cadence": facts.get("cadence"),
         "segment_lengths": wearer.recording.lengths(),
-        "notes": wearer.recording.notes,
+        "notes": [*wearer.recording.notes, *model.surface.notes],
     }
 
 
@@ -100,7 +100,7 @@ def _with_error(value, error):
 
 def summary_of(out: str | Path) -> dict:
     """Contents of summary.json in a folder."""
-    return json.loads((Path(out) / "summary.json").read_text())
+    return json.loads((Path(out) / "summary.json").read_text(encoding="utf-8"))
 
 
 def settings(scene: Scene) -> dict:

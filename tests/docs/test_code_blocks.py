@@ -25,7 +25,7 @@ import meshes
 import shellform
 from shellform.__main__ import parser
 from shellform.scene.scene_file import read_scene
-from tests.ranks import OUTSIDE
+from tests.ranks import outside
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -123,7 +123,7 @@ def help_of(*program):
     done = subprocess.run(
         [sys.executable, *program, "-h"],
         cwd=ROOT,
-        env=OUTSIDE,
+        env=outside(),
         capture_output=True,
         text=True,
         check=False,
@@ -167,7 +167,7 @@ def run(words, more, folder):
     words = [sys.executable if w == "python" else w for w in words]
     words = [str(ROOT / w) if w.startswith("demos/") else w for w in words]
     done = subprocess.run(
-        [*words, *more], cwd=folder, env=OUTSIDE, capture_output=True, text=True, check=False
+        [*words, *more], cwd=folder, env=outside(), capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
 

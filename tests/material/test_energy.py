@@ -111,7 +111,7 @@ def test_quadratic_law_written_out_is_the_default(make):
         matrix = shell.create_tangent()
         shell.tangent(matrix)
         matrix.assemble()
-        matrices.append(matrix.convert("dense").getDenseArray())
+        matrices.append(matrix.convert("dense").getDenseArray().copy())
     np.testing.assert_allclose(*matrices, atol=1e-11 * np.abs(matrices[0]).max())
 
 

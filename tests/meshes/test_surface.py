@@ -78,7 +78,9 @@ def test_check_passes_what_is_right():
 
 def test_three_sheets_on_one_edge():
     points = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0.0]])
-    with pytest.raises(MeshError, match=r"points 0 and 1 belongs to 3 cells \[0, 1, 2\]"):
+    with pytest.raises(
+        MeshError, match=r"seam of more than two sheets at point 0 cell 0 stands 90 degrees off"
+    ):
         Surface(points, [[0, 1, 2], [1, 0, 3], [0, 1, 4]])
 
 

@@ -11,7 +11,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from tests.ranks import OUTSIDE, ROOT
+from tests.ranks import ROOT, outside
 
 PACKAGES = ("shellform", "contact", "meshes")
 pytestmark = pytest.mark.serial
@@ -21,7 +21,7 @@ def run(*words, cwd, **environment):
     done = subprocess.run(
         [sys.executable, *map(str, words)],
         cwd=cwd,
-        env=OUTSIDE | environment,
+        env=outside() | environment,
         capture_output=True,
         text=True,
         timeout=300,
@@ -85,7 +85,7 @@ def test_command_without_the_repository(wheel, tmp_path):
     """Installed elsewhere, the command writes a scene and checks it: cards and tables are found."""
     place = tmp_path / "site"
     run("-m", "pip", "install", "-q", "--no-deps", "--no-index", "--target", place, wheel, cwd=".")
-    environment = {"PYTHONPATH": os.pathsep.join([str(place), OUTSIDE.get("PYTHONPATH", "")])}
+    environment = {"PYTHONPATH": os.pathsep.join([str(place), outside().get("PYTHONPATH", "")])}
     where = run("-c", "import shellform; print(shellform.__file__)", cwd=tmp_path, **environment)
     assert Path(where.strip()).parents[1] == place
     for words in (("new", "scene.toml"), ("check", "scene.toml")):
@@ -98,6 +98,6 @@ def test_gmsh_without_its_libraries_is_one_sentence(tmp_path):
     (tmp_path / "gmsh.py").write_text("raise OSError('libGLU.so.1: cannot open shared object')\n")
     script = "from meshes.gmsh_model import gmsh_model\ntry:\n    gmsh_model().__enter__()\n"
     script += "except ImportError as error:\n    print(error)\n"
-    path = os.pathsep.join([str(tmp_path), str(ROOT), OUTSIDE.get("PYTHONPATH", "")])
+    path = os.pathsep.join([str(tmp_path), str(ROOT), outside().get("PYTHONPATH", "")])
     said = run("-c", script, cwd=tmp_path, PYTHONPATH=path).splitlines()
     assert len(said) == 1 and "libGLU.so.1" in said[0] and "apt-get install" in said[0]

@@ -132,7 +132,7 @@ SURFACES = {
             [(0, 1, 2, 3), (2, 1, 4, 5), (1, 2, 7, 6)],
             source="bag",
         ),
-        ("bag", "edge between points 1 and 2", "3 cells", "at most two"),
+        ("bag", "seam of more than two sheets at point 1", "cell 2", "points of its own"),
     ),
     "point that is no number": (
         lambda: Surface([*SQUARE[:3], (0.0, NAN, 0.0)], [(0, 1, 2, 3)], source="bag"),

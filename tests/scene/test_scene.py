@@ -20,11 +20,16 @@ from shellform.scene.scene_file import key_of, read_scene, scene_from, write_sce
 OTHER = Scene(
     fabric="stiff",
     motion=Motion(
-        file="/captures/a walk.c3d", map="lateral", unit="mm", up="y", cutoff=8.0, max_gap=0.25,
-        start=0.5, end=2.25, initiation=0.75, strides=3, obstacle=0.1,
+        file="/captures/a walk.c3d", static="/captures/standing.c3d", map="lateral",
+        unit="mm", up="y", cutoff=8.0, max_gap=0.25, start=0.5, end=2.25, initiation=0.75,
+        strides=3, obstacle=0.1,
     ),
     person=Person(stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}),
     garment=Garment(
+        turn=[0, 0, 90.0],
+        place=[0.0, 0.1, 0.0],
+        weld=1e-4,
+        midsurface=True,
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
         kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
         wrinkles="resolved",

@@ -71,7 +71,7 @@ WRONG = {
         ("good.trc", "kneecap.toml", "R.Cap", "rename it, or write a map"),
     ),
     "column of NaN": (of_capture("nan.csv"), ("nan.csv", "'R.Knee' holds no numbers", "fill it")),
-    "mm taken for m": (of_capture("unit.trc"), ("unit.trc", "'m'", "m", "pass unit='mm'")),
+    "mm taken for m": (of_capture("unit.trc"), ("unit.trc", "'m'", "m", 'pass unit = "mm"')),
     "gap too long": (
         of_capture("gap.csv"),
         ("gap.csv", "'R.Knee'", "t = 1.000 s", "0.300 s", "max_gap = 0.1 s", "raise max_gap"),
@@ -87,7 +87,7 @@ WRONG = {
     "no such capture": (of_capture("none.c3d"), ("none.c3d", "no such file")),
     "no capture": (of_capture("good.vtu"), ("good.vtu", "no marker file", ".c3d")),
     "no such map": (of_capture("good.trc", map="mine"), ("'mine'", "medial", "TOML file")),
-    "waist aside": (of_garment("aside.vtu"), ("aside.vtu", "waist", "pelvis")),
+    "waist aside": (of_garment("aside.vtu", place=[0, 0, 0]), ("aside.vtu", "waist", "pelvis")),
     "leg outside the garment": (
         of(garment=Garment(cell_size=0.04, measures={"stance": 0.2})),
         ("right hem", "right leg", "stance", "width"),
@@ -104,7 +104,10 @@ WRONG = {
         of(person=Person(girths={"calf": 0.6}), garment=Garment(measures={"knee": 0.5})),
         ("0.600 m around the right shank", "larger size"),
     ),
-    "no waist": (of_garment("plain.obj"), ("plain.obj", "no edge 'waist'", "waist='highest'")),
+    "no waist": (
+        of_garment("plain.obj", waist="belt"),
+        ("plain.obj", "no edge 'belt'", "waist='highest'"),
+    ),
     "garment in another unit": (of_garment("good.vtu", unit="cm"), ("good.vtu", "unit='m'")),
     "no such garment": (of_garment("none.obj"), ("none.obj", "no such file")),
     "no such size": (of(garment=Garment(size="huge")), ("'huge'", "large-regular")),
@@ -193,7 +196,7 @@ def test_command_ends_with_the_sentence(name, do, tmp_path, capsys, monkeypatch)
 @pytest.mark.serial
 def test_other_commands_that_cannot_be(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "ezc3d", None)
-    (tmp_path / "walk.c3d").write_bytes(bytes(1024))
+    (tmp_path / "walk.c3d").write_bytes(b"\x02\x50" + bytes(1022))
     (tmp_path / "capture.toml").write_text('[motion]\nfile = "walk.c3d"')
     (tmp_path / "scene.toml").write_text("")
     for words, arguments in {

@@ -12,7 +12,6 @@ import numpy as np
 import meshes
 from contact.body.segments import Body, Fixed, Segment, turned
 from contact.geometry.ellipsoid import closest_points
-from contact.solver.cell_samples import too_thin
 from contact.solver.velocity_correction import VelocityCorrection
 from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
@@ -171,7 +170,7 @@ def over_rod(radius, samples, seconds=0.12):
     out = cloth_on(stepper, body, seconds, samples=samples)
     free = 0.01 - 0.5 * G * seconds**2
     out["caught"] = bool(out["points"][:, 2].max() > free + 1e-3)
-    out["notes"] = too_thin(body, 0.04, 0.5 * CLOTH["thickness"], samples)
+    out["notes"] = out["touch"].notes
     return out
 
 

@@ -3,13 +3,16 @@
 
 A new format is one file with a function `path -> Raw` and one entry below. What a file holds is
 checked by its reader; what all formats share is in marker_table.py. Readers whose library is not
-always installed import it when they are called, as c3d_file.py does with ezc3d.
+always installed import it when they are called, as c3d_contents.py does with ezc3d.
 """
 
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from .bvh_file import read_bvh
 from .c3d_file import read_c3d
 from .csv_file import read_csv
 from .marker_table import Raw, named_once
@@ -23,10 +26,15 @@ class Format(NamedTuple):
     content: str
 
 
+RATES = (0.5, 1e5)  # frames a second of any camera [Hz]
+LONGEST = 1e7  # of a clock [s], a third of a year
+
 FORMATS = {
     ".trc": Format(read_trc, "Motion Analysis and OpenSim: labels, rate and unit from the header."),
-    ".csv": Format(read_csv, "A line of names, a column of times, then x, y, z of each marker."),
-    ".c3d": Format(read_c3d, "Binary, by ezc3d: places, gaps, unit and vertical of group POINT."),
+    ".csv": Format(read_csv, "Exports of Motive and Nexus; a script's: times, then x, y, z each."),
+    ".tsv": Format(read_csv, "Exports of QTM, and what CSV files hold, between tabs."),
+    ".c3d": Format(read_c3d, "Binary, by ezc3d or c3d: places, gaps, unit and vertical; poses."),
+    ".bvh": Format(read_bvh, "Skeletons: joints by names, without markers."),
 }
 
 
@@ -48,4 +56,10 @@ def read_table(path: str | Path) -> Raw:
         raise ValueError(f"{path}: no marker file; {', '.join(most)} and {last} are read")
     if not path.is_file():
         raise ValueError(f"{path}: no such file")
-    return named_once(form.read(path), path)
+    raw = form.read(path)
+    if not RATES[0] <= raw.rate <= RATES[1] or not np.abs(raw.times).max() < LONGEST:
+        raise ValueError(
+            f"{path}: {raw.rate:.4g} frames a second from t = {raw.times[0]:.4g} s on are no "
+            "capture; correct rate and times"
+        )
+    return named_once(raw, path)

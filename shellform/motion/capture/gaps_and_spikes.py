@@ -7,6 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
+from shellform.errors import Mendable
 from shellform.motion.recording import SIDES
 
 SPIKE = 0.010  # smallest jump taken for an error of the cameras [m]
@@ -75,10 +76,10 @@ def filled(
     for first, stop in runs(bad):
         gap = (stop - first) * step
         if gap > max_gap + 1e-9:
-            raise ValueError(
+            raise Mendable(
                 f"{source}: marker '{name}' lacks from t = {times[first]:.3f} s for {gap:.3f} s, "
-                f"longer than max_gap = {max_gap:g} s; fill it, raise max_gap, or cut the capture "
-                "with window=(start, end)"
+                f"longer than max_gap = {max_gap:g} s",
+                "fill it, raise {max_gap}, or cut the capture with {window}",
             )
         notes.append(f"filled at t = {times[first]:.3f} s for {1e3 * gap:.0f} ms")
     out = track.copy()
@@ -175,10 +176,11 @@ def without_spikes(
             for first, stop in runs(more):
                 aside, may_be = jump_over(track, first, stop, step)
                 if aside > max(LASTING, limit) + may_be:
-                    raise ValueError(
+                    raise Mendable(
                         f"{source}: marker '{name}' jumps by {1e3 * aside:.4g} mm at t = "
                         f"{times[first]:.3f} s and stays there, as where two captures are joined "
-                        "or labels change; correct it, or cut the capture with window=(start, end)"
+                        "or labels change",
+                        "correct it, or cut the capture with {window}",
                     )
                 if aside > limit + may_be:
                     stays += f", it stays {1e3 * aside:.0f} mm aside from t = {times[first]:.3f} s"

@@ -4,6 +4,8 @@
     { same = a }                                    another point or marker
     { midpoint = [a, b, ...] }                      their mean
     { offset = a, along = [b, c], by = L }          L metres from a in the direction b to c
+    { normal = a, to = [b, c], across = [d, e], by = L }
+                                                    L metres from a along (c - b) x (e - d)
     { hip = "right", asis = [R, L], back = b }      Harrington et al. 2007; b: mid PSIS or sacrum
     { inward = a, by = L, proximal = p, across = [b, c], cluster = [..] }
                                                     joint centre L metres inward of marker a
@@ -28,6 +30,7 @@ RULES = {
     "same": ((), ()),
     "midpoint": ((), ()),
     "offset": (("along", "by"), ()),
+    "normal": (("to", "across", "by"), ()),
     "hip": (("asis", "back"), ()),
     "inward": (("by", "proximal", "across"), ("cluster",)),
 }
@@ -41,6 +44,9 @@ def references(rule: Rule) -> tuple[list[str], list[str]]:
         names = _texts(rule["midpoint"], None, "midpoint")
     elif "offset" in rule:
         names = [*_texts([rule["offset"]], 1, "offset"), *_texts(rule["along"], 2, "along")]
+    elif "normal" in rule:
+        names = [*_texts([rule["normal"]], 1, "normal"), *_texts(rule["to"], 2, "to")]
+        names += _texts(rule["across"], 2, "across")
     elif "hip" in rule:
         if rule["hip"] not in ("right", "left"):
             raise ValueError(f"hip is 'right' or 'left', not {rule['hip']!r}")
@@ -51,6 +57,16 @@ def references(rule: Rule) -> tuple[list[str], list[str]]:
     if "by" in rule and not (isinstance(rule["by"], (int, float)) and 0 < rule["by"] < 1):
         raise ValueError(f"by is a length in metres, not {rule['by']!r}")
     return names, _texts(rule["cluster"], None, "cluster") if rule.get("cluster") else []
+
+
+def lies_at(rule: Rule) -> list[str]:
+    """Names of the markers and points beside which a rule's point lies, on the same part of the
+    body; what only gives it a direction is not among them."""
+    if "midpoint" in rule:
+        return list(rule["midpoint"])
+    if "hip" in rule:
+        return [*rule["asis"], rule["back"]]
+    return [next(rule[kind] for kind in ("same", "offset", "normal", "inward") if kind in rule)]
 
 
 def _texts(value, count, key):
@@ -70,6 +86,9 @@ def point(rule: Rule, at: Mapping[str, np.ndarray]) -> np.ndarray:
     if "offset" in rule:
         start, end = (at[name] for name in rule["along"])
         return at[rule["offset"]] + rule["by"] * _unit(end - start)
+    if "normal" in rule:
+        (b, c), (d, e) = ([at[name] for name in rule[key]] for key in ("to", "across"))
+        return at[rule["normal"]] + rule["by"] * _unit(np.cross(c - b, e - d))
     if "hip" in rule:
         right, left = (at[name] for name in rule["asis"])
         return hip_centre(right, left, at[rule["back"]], rule["hip"])
@@ -98,8 +117,8 @@ def hip_centre(
     """
     middle = 0.5 * (right_asis + left_asis)
     across = right_asis - left_asis
-    width = np.median(np.linalg.norm(across, axis=1))
-    depth = np.median(np.linalg.norm(middle - back, axis=1))
+    width = np.nanmedian(np.linalg.norm(across, axis=1))
+    depth = np.nanmedian(np.linalg.norm(middle - back, axis=1))
     right = _unit(across)
     up = _unit(np.cross(right, middle - back))
     forward = np.cross(up, right)

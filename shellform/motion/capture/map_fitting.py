@@ -6,13 +6,15 @@ the next one; a segment that cannot be had is left out where the map allows it.
 """
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain
 
-from .joint_centres import references
-from .markers import Markers, plain
-from .segment_map import SHIPPED, SegmentMap, segment_map
+import numpy as np
+
+from .joint_centres import lies_at, point, references
+from .markers import Markers
+from .segment_map import SegmentMap, plain
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +28,7 @@ class FittedMap:
     rules : dict, point -> rule in use, in the order of evaluation
     segments : dict, segment -> (J1, J2, M)
     notes : tuple of str, segments left out
+    needed : frozenset of markers without which a segment that is not optional cannot be had
     """
 
     map: SegmentMap
@@ -33,32 +36,56 @@ class FittedMap:
     rules: dict
     segments: dict
     notes: tuple = ()
+    needed: frozenset = frozenset()
+
+    def points(self, tracks: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Points of the segments, segment -> (n, 3, 3) [m], from tracks (n, 3) by marker."""
+        at = dict(tracks)
+        for name, rule in self.rules.items():
+            at[name] = point(rule, at)
+        return {
+            segment: np.stack([at[end] for end in ends], axis=1)
+            for segment, ends in self.segments.items()
+        }
+
+    def beside(self, name: str) -> list[str]:
+        """Markers beside which a point of the map lies, see `joint_centres.lies_at`."""
+        if name not in self.rules:
+            return [name]
+        return list(chain(*(self.beside(other) for other in lies_at(self.rules[name]))))
 
 
-def labels_on_body(names: Iterable[str]) -> dict[str, str]:
-    """Dict label -> place on the body, for those labels that the shipped maps know."""
-    known: dict[str, str] = {}
-    for name in SHIPPED:
-        for place, labels in segment_map(name).markers.items():
-            for label in labels:
-                known.setdefault(plain(label), place)
-    return {name: known[plain(name)] for name in names if plain(name) in known}
-
-
-def fit_map(map: SegmentMap, markers: Markers) -> FittedMap:
+def fit_map(map: SegmentMap, markers: Markers, without: Collection[str] = ()) -> FittedMap:
     """Set a map to a capture; what a rule lacks sends it to the next rule.
 
     Parameters
     ----------
     map : SegmentMap
     markers : `shellform.motion.capture.markers.Markers`
+    without : labels that are not to be used
 
     Raises
     ------
     ValueError
         When a segment that is not optional lacks a marker: which, and the closest label found.
     """
-    by_plain = {plain(name): name for name in reversed(markers.names)}
+    fitted, lacks = try_map(map, markers.names, without)
+    if lacks:
+        segment, marker = next(iter(lacks.items()))
+        raise ValueError(f"{markers.source}: {_lack(map, segment, marker, markers)}")
+    return fitted
+
+
+def try_map(
+    map: SegmentMap, names: Iterable[str], without: Collection[str] = ()
+) -> tuple[FittedMap, dict[str, str]]:
+    """A map set to labels as far as it goes, and what segments lack that are not optional.
+
+    Returns
+    -------
+    FittedMap; dict, segment -> the first marker that it lacks
+    """
+    by_plain = {plain(name): name for name in reversed(list(names)) if name not in without}
     labels = {}
     for key, spellings in map.markers.items():
         found = [by_plain[plain(s)] for s in spellings if plain(s) in by_plain]
@@ -88,7 +115,7 @@ def fit_map(map: SegmentMap, markers: Markers) -> FittedMap:
             lacking[name] = tries[0]
         return lacking[name]
 
-    segments, notes = {}, []
+    segments, notes, without_segment = {}, [], {}
     for key, entry in map.segments.items():
         lacks = [m for end in ("J1", "J2", "M") for m in ready(entry[end])]
         if not lacks:
@@ -96,60 +123,56 @@ def fit_map(map: SegmentMap, markers: Markers) -> FittedMap:
         elif entry.get("optional"):
             notes.append(f"no {key.replace('_', ' ')}, for lack of marker {lacks[0]}")
         else:
-            raise ValueError(_lack(map, key, lacks[0], markers))
-    needed = _closure(segments, rules)
-    return FittedMap(
+            without_segment[key] = lacks[0]
+    ends = [p for points in segments.values() for p in points]
+    firm = [
+        p for k, points in segments.items() if not map.segments[k].get("optional") for p in points
+    ]
+    closed, needed = _closure(ends, rules, True), _closure(firm or ends, rules, False)
+    fitted = FittedMap(
         map,
-        {k: v for k, v in used.items() if k in needed},
-        {k: v for k, v in rules.items() if k in needed},
+        {k: v for k, v in used.items() if k in closed},
+        {k: v for k, v in rules.items() if k in closed},
         segments,
         tuple(notes),
+        frozenset(needed & used.keys()),
     )
+    return fitted, without_segment
 
 
-def _closure(segments, rules):
-    todo, out = [point for ends in segments.values() for point in ends], set()
+def _closure(todo, rules, wished):
+    """Names that points are made of; with those that are only wished for, or without."""
+    todo, out = list(todo), set()
     while todo:
         name = todo.pop()
         if name not in out:
             out.add(name)
-            todo += chain(*references(rules[name])) if name in rules else ()
+            if name in rules:
+                must, may = references(rules[name])
+                todo += [*must, *may] if wished else must
     return out
 
 
 def _lack(map, segment, marker, markers):
-    spellings = map.markers[marker]
+    """What segment lacks, with the closest label."""
+    spellings = map.markers[marker] or (marker,)
     blank = [n for n in markers.empty if plain(n) in {plain(s) for s in spellings}]
     if blank:
         return (
-            f"{markers.source}: marker '{blank[0]}' holds no numbers, and {segment} needs it (map "
+            f"marker '{blank[0]}' holds no numbers, and {segment} needs it (map "
             f"'{map.name}'); fill it, or take another map"
         )
-    ranked = {
-        name: max(difflib.SequenceMatcher(None, plain(s), plain(name)).ratio() for s in spellings)
-        for name in markers.names
-    }
     return (
-        f"{markers.source}: {segment} needs marker '{marker}' (map '{map.name}': "
-        f"{', '.join(spellings[:3])}), which is not there; closest label: "
-        f"'{max(ranked, key=ranked.get)}'; rename it, or write a map"
+        f"{segment} needs marker '{marker}' (map '{map.name}': {', '.join(spellings[:3])}), which "
+        f"is not there; closest label: '{closest(spellings, markers.names)}'; rename it, or write "
+        "a map"
     )
 
 
-def choose_map(markers: Markers) -> SegmentMap:
-    """The first shipped map whose markers are all there.
-
-    Raises
-    ------
-    ValueError
-        Naming what each of them lacks.
-    """
-    lacks = []
-    for name in SHIPPED:
-        try:
-            fit_map(segment_map(name), markers)
-        except ValueError as error:
-            lacks.append(str(error).removeprefix(f"{markers.source}: ").split("; rename")[0])
-        else:
-            return segment_map(name)
-    raise ValueError(f"{markers.source}: no shipped map fits: {'; '.join(lacks)}; write a map")
+def closest(spellings: Iterable[str], names: Iterable[str]) -> str:
+    """The one of `names` that is closest to any of the spellings of a marker."""
+    ranked = {
+        name: max(difflib.SequenceMatcher(None, plain(s), plain(name)).ratio() for s in spellings)
+        for name in names
+    }
+    return max(ranked, key=lambda name: ranked[name]) if ranked else "nothing"

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shellform.errors import Mendable
+
 from .marker_table import Raw
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
@@ -23,6 +25,7 @@ SPELLINGS = {
     "inches": "in",
 }
 PERSON = (0.5, 2.5)  # largest extent of the markers [m]: a child's legs, a tall man with arms up
+FARTHEST = 1e9  # in any unit; a number beyond it is damaged
 UPRIGHT = 0.9  # cosine between pelvis over feet and the axis taken for the vertical
 
 
@@ -52,11 +55,6 @@ class Markers:
     def track(self, name: str) -> np.ndarray:
         """Positions (n, 3) [m] of one marker."""
         return self.positions[:, self.names.index(name)]
-
-
-def plain(label: str) -> str:
-    """A label without prefix, case and punctuation: "Ann:R.Knee" is "rknee"."""
-    return "".join(c for c in label.split(":")[-1].lower() if c.isalnum())
 
 
 def vertical(pelvis: np.ndarray, feet: np.ndarray) -> str | None:
@@ -99,8 +97,9 @@ def to_markers(
     ----------
     raw : `shellform.motion.capture.marker_table.Raw`
     source : str, the file, for messages
-    body : dict, name of a marker -> name of the place on the body, for those that are known
-    unit, up : what the caller knows better than the file, or None
+    body : dict, name of a marker -> "pelvis", "feet" or "", for those that are known
+    unit, up : what the caller knows better than the file, or None; a unit is a name or the length
+        of one in metres, as "0.0564"
 
     Raises
     ------
@@ -108,6 +107,10 @@ def to_markers(
         When nothing is left, the vertical is not clear, or no person has this size.
     """
     names, positions, notes = list(raw.names), np.array(raw.positions, float), list(raw.notes)
+    far = (np.abs(positions) > FARTHEST).any(axis=2)
+    if far.any():
+        positions[far] = np.nan
+        notes.append(f"{int(far.sum())} places out of the world taken for gaps")
     at_origin = (positions == 0.0).all(axis=2)
     if at_origin.any():
         positions[at_origin] = np.nan
@@ -132,55 +135,73 @@ def to_markers(
 def _up(positions, names, source, body, declared, given):
     if given is not None:
         if given not in ("y", "z"):
-            raise ValueError(f"{source}: up must be 'y' or 'z', not {given!r}")
+            raise Mendable(f"{source}: up is y or z, not {given!r}", "pass {up:y} or {up:z}")
         return given, [f"up is {given}, as given"]
 
-    def tracks(*words):
-        chosen = [k for k, n in enumerate(names) if any(w in body.get(n, "") for w in words)]
-        return positions[:, chosen]
+    def tracks(region):
+        return positions[:, [k for k, n in enumerate(names) if body.get(n) == region]]
 
-    found = vertical(tracks("asis", "psis", "sacrum"), tracks("heel", "toe", "ankle"))
+    found = vertical(tracks("pelvis"), tracks("feet"))
     up, said = found or declared, []
     if found and declared and found != declared:
         said = [f"the file says {declared} is up, its markers stand along {found}: taken"]
     elif up:
         said = [f"up is {up}, from the {'markers' if found else 'file'}"]
     if up is None:
-        raise ValueError(
+        raise Mendable(
             f"{source}: the vertical is not clear, as no axis points from the feet to the pelvis "
-            "and the file does not tell; pass up='y' or up='z'"
+            "and the file does not tell",
+            "pass {up:y} or {up:z}",
         )
     if up not in ("y", "z"):
-        raise ValueError(
-            f"{source}: {up} points up, and only y and z may; turn the file, or pass up='y' or "
-            "up='z' if that is wrong"
+        raise Mendable(
+            f"{source}: {up} points up, and only y and z may",
+            "turn the file, or pass {up:y} or {up:z} if that is wrong",
         )
     return up, said
 
 
 def _metres(positions, names, source, body, declared, given):
-    unit = given if given is not None else declared
+    unit, factor = given if given is not None else declared, None
     if unit is not None:
         word = str(unit).strip().lower()
         unit = SPELLINGS.get(word, word)
-        if unit not in UNITS:
-            raise ValueError(f"{source}: unknown unit {word!r}; pass unit='mm', 'cm' or 'm'")
+        factor = UNITS.get(unit, _number(unit))
+        if not factor:
+            raise Mendable(
+                f"{source}: unknown unit {word!r}", "pass {unit:mm}, {unit:cm} or {unit:m}"
+            )
+    # something that lies about makes all markers too wide, and a few of them are no person
     known = [k for k, name in enumerate(names) if name in body]
-    size = extent(positions[:, known] if len(known) > 3 else positions)
-    fits = [u for u in ("m", "cm", "mm") if PERSON[0] <= size * UNITS[u] <= PERSON[1]]
+    sizes = [extent(positions)] + ([extent(positions[:, known])] if len(known) > 3 else [])
+
+    def a_person(scale):
+        return any(PERSON[0] <= size * scale <= PERSON[1] for size in sizes)
+
+    fits = [u for u in ("m", "cm", "mm") if a_person(UNITS[u])]
     if unit is None:
         if not fits:
-            raise ValueError(
-                f"{source}: the markers span {size:.4g} and no unit is given; in m, cm or mm a "
-                f"person spans {PERSON[0]} to {PERSON[1]} m: pass unit= and check the markers"
+            raise Mendable(
+                f"{source}: the markers span {sizes[0]:.4g} and no unit is given; in m, cm or mm a "
+                f"person spans {PERSON[0]} to {PERSON[1]} m",
+                "pass {unit:in}, or the length of one in metres as {unit:0.0564}, and check the "
+                "markers",
             )
         return positions * UNITS[fits[0]], [f"unit {fits[0]}, from the size of the person"]
-    metres = size * UNITS[unit]
-    if not PERSON[0] <= metres <= PERSON[1]:
-        mend = f"pass unit='{fits[0]}'" if fits else "check the markers"
+    if not a_person(factor):
+        mend = f"pass {{unit:{fits[0]}}}" if fits else "check the markers"
         who = "given" if given is not None else "in the header"
-        raise ValueError(
-            f"{source}: with the unit '{unit}' {who} the markers span {metres:.4g} m, and a person "
-            f"spans {PERSON[0]} to {PERSON[1]} m; {mend}"
+        raise Mendable(
+            f"{source}: with the unit '{unit}' {who} the markers span {sizes[0] * factor:.4g} m, "
+            f"and a person spans {PERSON[0]} to {PERSON[1]} m",
+            mend,
         )
-    return positions * UNITS[unit], [f"unit {unit}, {'as given' if given else 'from the header'}"]
+    return positions * factor, [f"unit {unit}, {'as given' if given else 'from the header'}"]
+
+
+def _number(word):
+    """A length in metres, None for what is none."""
+    try:
+        return length if 0 < (length := float(word)) < 10 else None
+    except ValueError:
+        return None

@@ -15,17 +15,19 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from contact.body.segment_frame import pose_from_markers
+from shellform.errors import Mendable
 from shellform.motion.recording import SIDES, Recording
 
 from .formats import read_table
 from .gait_events import facts
-from .gaps_and_spikes import common_span, filled, low_pass, rigid_legs, without_spikes
-from .joint_centres import point
-from .map_fitting import choose_map, fit_map, labels_on_body
+from .gaps_and_spikes import filled, low_pass, rigid_legs, without_spikes
+from .marker_sets import choose_map, regions, require_set, set_notes
 from .markers import Markers, to_markers
 from .noise import noise_note
-from .segment_checks import mirrored, require_lever, require_pace, require_sides
+from .seen_markers import seen
+from .segment_checks import mirrored, require_lever, require_pace, require_shape, require_sides
 from .segment_map import SegmentMap, segment_map
+from .static_trial import with_static
 
 __all__ = [
     "Markers",
@@ -39,7 +41,8 @@ __all__ = [
 
 
 def read_motion(
-    path: str | Path,
+    file: str | Path,
+    static: str | Path | None = None,
     map: SegmentMap | str | Path | None = None,
     unit: str | None = None,
     up: str | None = None,
@@ -52,8 +55,10 @@ def read_motion(
 
     Parameters
     ----------
-    path : TRC, CSV or C3D file; unit, up : of its coordinates, where it does not tell
-    map : SegmentMap, name or file of one, None: the first shipped one that fits
+    file : TRC, CSV, C3D or BVH file; unit, up : of its coordinates, where it does not tell
+    static : file of a static trial with the markers that are taken off for the walk, see
+        `shellform.motion.capture.static_trial`
+    map : SegmentMap, name or file of one, None: the shipped one that explains most labels
     cutoff : of the low pass [Hz], None: none; max_gap : longest gap filled [s]
     window : (start, end) [s] of what is used; rigid : thighs and shanks keep their lengths
 
@@ -82,24 +87,38 @@ def read_motion(
     >>> table = np.column_stack([walk.times, tracks])
     >>> np.savetxt("walk.csv", table, delimiter=",", header=head, comments="")
     >>> mine = SegmentMap("mine", {label: (label,) for label in labels}, {}, ends)
-    >>> again = sf.read_motion("walk.csv", mine, up="z")
+    >>> again = sf.read_motion("walk.csv", map=mine, up="z")
     >>> again.notes[0]
     'up is z, as given'
     >>> f"{again.facts['stride_length']:.2f} m"
     '1.31 m'
     """
-    return recording(read_markers(path, unit, up), map, max_gap, cutoff, window, rigid)
+    if map is not None and not isinstance(map, SegmentMap):
+        map = segment_map(map)
+    raw = read_table(file)
+    if map is None and static is None:
+        require_set(raw.names, str(file))
+    markers = to_markers(raw, str(file), regions(raw.names, map), unit, up)
+    if static is not None:
+        markers = with_static(markers, read_markers(static, unit, up, map), map)
+    return recording(markers, map, max_gap, cutoff, window, rigid)
 
 
-def read_markers(path: str | Path, unit: str | None = None, up: str | None = None) -> Markers:
-    """Markers of a TRC, CSV or C3D file.
+def read_markers(
+    path: str | Path,
+    unit: str | None = None,
+    up: str | None = None,
+    map: SegmentMap | None = None,
+) -> Markers:
+    """Markers of a TRC, CSV or C3D file, joints of a BVH file.
 
     Parameters
     ----------
     path : str or Path
-    unit : "mm", "cm", "m" or None for what the file says
+    unit : "mm", "cm", "m", the length of one in metres, or None for what the file says
     up : "y", "z" or None: from the markers, else from the file. A file with y up is turned by
         (x, y, z) -> (x, -z, y); nothing else is turned
+    map : SegmentMap that says where its labels are on the body, None: the shipped one that fits
 
     Raises
     ------
@@ -110,7 +129,7 @@ def read_markers(path: str | Path, unit: str | None = None, up: str | None = Non
         When a C3D file is asked for and ezc3d is not installed.
     """
     raw = read_table(path)
-    return to_markers(raw, str(path), labels_on_body(raw.names), unit, up)
+    return to_markers(raw, str(path), regions(raw.names, map), unit, up)
 
 
 def recording(
@@ -141,25 +160,28 @@ def recording(
     """
     source = markers.source
     if cutoff is not None and not 0 < cutoff < 0.4 * markers.rate:
-        raise ValueError(
+        raise Mendable(
             f"{source}: cutoff must lie between 0 and {0.4 * markers.rate:.4g} Hz at "
-            f"{markers.rate:.4g} frames a second, not {cutoff:g} Hz: lower it, as far as the "
-            "motion is slow, or None to filter nothing"
+            f"{markers.rate:.4g} frames a second, not {cutoff:g} Hz",
+            "lower {cutoff}, as far as the motion is slow",
         )
     if map is None:
         map = choose_map(markers)
     elif not isinstance(map, SegmentMap):
         map = segment_map(map)
-    fitted = fit_map(map, markers)
-    notes = [*markers.notes, f"map '{map.name}'", *fitted.notes]
-    times, tracks, said = _cut(markers, fitted.labels, window)
-    notes += said
+    use = _window(markers, window)
+    fitted, frames, said = seen(map, markers, use, max_gap)
+    notes = [*markers.notes, *set_notes(map, markers.names), *fitted.notes, *said]
+    times = markers.times[frames]
+    tracks = {name: markers.track(label)[frames].copy() for name, label in fitted.labels.items()}
     tracks, said = _mended(tracks, fitted.labels, times, max_gap, source)
     notes += [*said, *noise_note(tracks, fitted.labels, markers.rate, cutoff)]
-    points = _evaluate(fitted, tracks)
+    with np.errstate(all="ignore"):  # markers that coincide are refused by what comes of them
+        points = fitted.points(tracks)
+    require_shape(points, times, source)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
-        points = _evaluate(fitted, tracks)
+        points = fitted.points(tracks)
         notes.append("left and right are mirrored: labels swapped")
     require_sides(points, source)
     if cutoff is not None:
@@ -168,10 +190,11 @@ def recording(
     if rigid:
         points, moved = rigid_legs(points)
         notes.append(f"joints moved by up to {1e3 * moved:.1f} mm to keep the bones' lengths")
+    require_shape(points, times, source)
+    require_lever(points, times, source)
     if rigid and "pelvis" in points:
         points["pelvis"], lean = upright(points["pelvis"])
         notes.append(f"pelvis set upright: its landmarks lean by {np.degrees(lean):.0f} degrees")
-    require_lever(points, times, source)
     require_pace(points, times, source)
     return Recording(times, points, source, tuple(notes), facts(times, points))
 
@@ -190,49 +213,19 @@ def _mended(tracks, labels, times, max_gap, source):
     return out, spikes + [f"{note}: {', '.join(names)}" for note, names in gaps.items()]
 
 
-def _cut(markers, labels, window):
-    """Times, tracks by the map's names and notes of the frames that have all of them."""
-    times, source, notes = markers.times, markers.source, []
-    use = np.ones(len(times), bool)
-    if window is not None:
-        use = (times >= window[0] - 1e-9) & (times <= window[1] + 1e-9)
-        if use.sum() < 2:
-            raise ValueError(
-                f"{source}: window {tuple(window)} s holds {use.sum()} frames; the capture runs "
-                f"from {times[0]:.3f} to {times[-1]:.3f} s"
-            )
-    times = times[use]
-    tracks = {name: markers.track(label)[use].copy() for name, label in labels.items()}
-    for name, track in tracks.items():
-        if not np.isfinite(track).all(axis=1).any():
-            raise ValueError(
-                f"{source}: marker '{labels[name]}' is not seen between {times[0]:.3f} and "
-                f"{times[-1]:.3f} s; take another window or map"
-            )
-    first, stop, early, late = common_span(tracks)
-    if stop - first < 2:
-        names = ", ".join(f"'{labels[n]}'" for n in (*early, *late))
-        raise ValueError(f"{source}: no two frames have all markers needed; {names} lack most")
-    if first:
-        who = ", ".join(labels[n] for n in early)
-        notes.append(f"starts at t = {times[first]:.3f} s, {first} frames late, for lack of {who}")
-    if stop < len(times):
-        who = ", ".join(labels[n] for n in late)
-        notes.append(
-            f"ends at t = {times[stop - 1]:.3f} s, {len(times) - stop} frames early, for lack of "
-            f"{who}"
+def _window(markers, window):
+    """Frames (n,) bool of a window."""
+    times = markers.times
+    if window is None:
+        return np.ones(len(times), bool)
+    use = (times >= window[0] - 1e-9) & (times <= window[1] + 1e-9)
+    if use.sum() < 2:
+        raise Mendable(
+            f"{markers.source}: window {tuple(window)} s holds {use.sum()} frames, and the capture "
+            f"runs from {times[0]:.3f} to {times[-1]:.3f} s",
+            "give another {window}",
         )
-    return times[first:stop], {n: t[first:stop] for n, t in tracks.items()}, notes
-
-
-def _evaluate(fitted, tracks):
-    at = dict(tracks)
-    for name, rule in fitted.rules.items():
-        at[name] = point(rule, at)
-    return {
-        segment: np.stack([at[end] for end in ends], axis=1)
-        for segment, ends in fitted.segments.items()
-    }
+    return use
 
 
 def _other(name, names):

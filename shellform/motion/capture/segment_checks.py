@@ -9,13 +9,26 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contact.body.segment_frame import pose_from_markers
+from shellform.errors import Mendable
 from shellform.motion.recording import SIDES
 
 from .gait_events import forward
 
 LEVER = 0.010  # least distance of M from the line J1-J2 [m]
+SHORTEST = 0.01  # of a segment [m]
 FASTEST = 30.0  # a kicking foot moves at 20 to 25 m/s
+
+
+def require_shape(points: Mapping[str, np.ndarray], times: np.ndarray, source: str) -> None:
+    """Refuse segments without length, and points that are no numbers: markers that coincide."""
+    for name, track in points.items():
+        length = np.linalg.norm(track[:, 1] - track[:, 0], axis=1)
+        bad = ~np.isfinite(track).all(axis=(1, 2)) | ~(length > SHORTEST)
+        if bad.any():
+            raise ValueError(
+                f"{source}: J1 and J2 of '{name}' coincide, or are nowhere, at t = "
+                f"{times[int(np.argmax(bad))]:.3f} s; two markers have one place, correct them"
+            )
 
 
 def mirrored(points: Mapping[str, np.ndarray]) -> bool:
@@ -64,8 +77,9 @@ def require_sides(points: Mapping[str, np.ndarray], source: str) -> None:
 def require_lever(points: Mapping[str, np.ndarray], times: np.ndarray, source: str) -> None:
     """Refuse an M so close to the line J1-J2 that it does not tell the segment's turn about it."""
     for name, track in points.items():
-        _, axes = pose_from_markers(track[:, 0], track[:, 1], track[:, 2])
-        lever = np.sum((track[:, 2] - track[:, 0]) * axes[:, 1], axis=1)
+        along, arm = track[:, 1] - track[:, 0], track[:, 2] - track[:, 0]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        lever = np.linalg.norm(arm - np.sum(arm * along, axis=1, keepdims=True) * along, axis=1)
         worst = int(np.argmin(lever))
         if lever[worst] < LEVER:
             raise ValueError(
@@ -81,8 +95,8 @@ def require_pace(points: Mapping[str, np.ndarray], times: np.ndarray, source: st
         speed = np.linalg.norm(np.diff(track, axis=0), axis=2) / np.diff(times)[:, None]
         frame = int(np.argmax(speed.max(axis=1)))
         if speed[frame].max() > FASTEST:
-            raise ValueError(
+            raise Mendable(
                 f"{source}: '{name}' moves at {speed[frame].max():.0f} m/s at t = "
-                f"{times[frame]:.3f} s, and nobody is faster than {FASTEST:.0f} m/s; correct the "
-                "rate or the markers, cut the capture with window=(start, end), or lower the cutoff"
+                f"{times[frame]:.3f} s, and nobody is faster than {FASTEST:.0f} m/s",
+                "correct the rate or the markers, cut the capture with {window}, or lower {cutoff}",
             )

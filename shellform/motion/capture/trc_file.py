@@ -4,7 +4,7 @@
 Some lines of header, a line of labels that begins with `Frame#`, then one line a frame: number,
 time [s], x, y, z of each marker; an empty cell is a gap. Headers lie: the number of markers and of
 frames, the position of the tabs and the rounded times are not believed. Labels are counted, the
-rate is the header's, and what differs is noted.
+rate is the header's, and what differs is noted. Any encoding, tabs, semicolons, commas or blanks.
 """
 
 from pathlib import Path
@@ -12,26 +12,33 @@ from pathlib import Path
 import numpy as np
 
 from .marker_table import Raw, even_times, number_of, numbers_of
+from .text_tables import cells_of, separator_of, text_of, unended, with_points
 
 
 def read_trc(path: str | Path) -> Raw:
     """`Raw` of a TRC file; ValueError naming line and mend where it is cut off or malformed."""
-    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    text, told = text_of(path)
     lines = text.splitlines()
-    top = next((k for k, s in enumerate(lines) if s.strip().lower().startswith("frame")), None)
+    top = next(
+        (k for k, s in enumerate(lines) if s.strip(' "\t').lower().startswith("frame")), None
+    )
     if top is None:
         raise ValueError(f"{path}: no line starts with 'Frame#', so there are no marker labels")
-    labels = [t for t in cells_of(lines[top]) if t][1:]
+    separator = separator_of(lines[top])
+    if separator != "\t":
+        told.append(f"cells separated by {_WORDS[separator]}, not by tabs")
+    labels = [t for t in _cells(lines[top], separator) if t][1:]
     if labels and labels[0].lower().startswith("time"):
         labels = labels[1:]
     if not labels:
         raise ValueError(f"{path}: line {top + 1} names no marker after 'Frame#' and 'Time'")
-    header = _header(lines[:top])
+    header = _header(lines[:top], separator)
     width = 2 + 3 * len(labels)
     rows: list[list[float]] = []
     used, ends = [], []
-    for k, line in enumerate(lines[top + 1 :], top + 2):
-        cells = cells_of(line)
+    table, said = with_points([_cells(line, separator) for line in lines[top + 1 :]], separator)
+    told += said
+    for k, cells in enumerate(table, top + 2):
         first = next((c for c in cells if c), "")
         if not first or (not rows and first[0] in "Xx"):
             continue  # a blank line, or X1 Y1 Z1 ...
@@ -50,33 +57,39 @@ def read_trc(path: str | Path) -> Raw:
             f"{path}: cut off in frame {k + 1}{of}; copy it again, or delete this line and correct "
             "NumFrames"
         )
-    notes = []
+    notes = told
+    if not said and unended(text):
+        rows.pop()
+        notes.append("the last line has no end and is left out")
     if said and len(rows) != said:
         notes.append(f"the header says {said:.0f} frames, the file holds {len(rows)}")
     said = header.get("nummarkers")
     if said and len(labels) != said:
         notes.append(f"the header says {said:.0f} markers, the file names {len(labels)}")
-    table = np.array(rows)
+    numbers = np.array(rows)
     rate = header.get("datarate") or header.get("camerarate")
     times, positions, rate, more = even_times(
-        table[:, 1], table[:, 2:].reshape(len(rows), -1, 3), rate, path
+        numbers[:, 1], numbers[:, 2:].reshape(len(rows), -1, 3), rate, path
     )
     return Raw(tuple(labels), times, positions, rate, header.get("units"), None, (*notes, *more))
 
 
-def cells_of(line: str) -> list[str]:
-    """Cells of a line between tabs; between blanks where it has no tab."""
-    return [c.strip() for c in (line.split("\t") if "\t" in line else line.split())]
+def _cells(line, separator):
+    """Cells of a line; between blanks where it lacks the separator of the others."""
+    return cells_of(line, separator if separator in line else "")
 
 
-def _header(lines):
+_WORDS = {";": "semicolons", ",": "commas", "": "blanks", "\t": "tabs"}
+
+
+def _header(lines, separator):
     """Values by lower-case key; tabs may be doubled, a value may be missing."""
     for k, line in enumerate(lines[:-1]):
-        keys = [c.lower() for c in cells_of(line) if c]
+        keys = [c.lower() for c in _cells(line, separator) if c]
         if "datarate" in keys or "units" in keys:
-            values = [c for c in cells_of(lines[k + 1]) if c]
+            values = [c for c in _cells(lines[k + 1], separator) if c]
             if len(values) != len(keys):  # one is missing: take them by their place
-                values = cells_of(lines[k + 1])
+                values = _cells(lines[k + 1], separator)
             found = dict(zip(keys, values))
             out = {"units": found.get("units") or None}
             for key in ("datarate", "camerarate", "numframes", "nummarkers"):

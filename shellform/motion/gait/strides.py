@@ -28,7 +28,7 @@ def counted(motion: Recording | Wearer) -> tuple[float, float]:
     --------
     >>> walk = sf.synthetic_walk(strides=2, obstacle=0.0, stand=1.0)
     >>> begin, end = counted(walk)
-    >>> 1.0 <= begin < 1.2 and end == walk.times[-1]
+    >>> bool(1.0 <= begin < 1.2 and end == walk.times[-1])
     True
     """
     recording = _recording(motion)

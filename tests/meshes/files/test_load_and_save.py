@@ -167,7 +167,7 @@ def test_load_turns_cells(tmp_path):
         ("g.stl", "", "g.stl: "),
         ("h.ply", "ply\nformat strange 1.0\n", "cannot be read as .ply"),
         ("i.step", "ISO-10303-21;", "unknown file type '.step'"),
-        ("j.obj", "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 1 2 3 4 5\n", "four corners"),
+        ("j.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nv 0.5 2 0\nf 1 2 3 4 5\n", "crosses itself"),
     ],
 )
 def test_load_refuses(tmp_path, name, text, words, capfd):

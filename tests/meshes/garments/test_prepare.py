@@ -158,7 +158,7 @@ def scaled(factor):
         (two_pieces, None, r"the garment is in 2 pieces .cells 0 and \d+ are not joined."),
         (closed, "highest", "the mesh is closed, open it at the waist"),
         (mixed, None, "cells 4 and 5 face opposite sides, turn them with meshes.orient"),
-        (crowded, None, "belongs to 3 cells"),
+        (crowded, None, "seam of more than two sheets"),
         (scaled(1000.0), None, "look like mm taken for m, .* give load.path, unit='mm'."),
         (scaled(100.0), None, "look like cm taken for m, .* give load.path, unit='cm'."),
         (scaled(1.0 / 0.0254), None, "look like in taken for m, .* unit='in'."),

@@ -29,6 +29,45 @@ PLUG_IN = {
     "asis": "{S}ASI", "psis": "{S}PSI", "knee": "{S}KNE", "ankle": "{S}ANK", "heel": "{S}HEE",
     "toe": "{S}TOE", "hip_c": "{S}FEP", "knee_c": "{S}FEO", "ankle_c": "{S}TIO",
 }  # fmt: skip
+IOR = {
+    "asis": "{S}ASI", "psis": "{S}PSI", "knee": "{S}LE", "knee_in": "{S}ME", "ankle": "{S}LM",
+    "ankle_in": "{S}MM", "heel": "{S}CA", "toe_in": "{S}FM", "toe_out": "{S}VM", "s1": "{S}HF",
+    "s2": "{S}TT",
+}  # fmt: skip
+HELEN_HAYES = {
+    "asis": "{S}.ASIS", "sacrum": "V.Sacral", "t1": "{S}.Thigh", "knee": "{S}.Knee",
+    "s1": "{S}.Shank", "ankle": "{S}.Ankle", "heel": "{S}.Heel", "toe": "{S}.Toe",
+    "shoulder": "{S}.Shoulder",
+}  # fmt: skip
+PLUG_IN_MARKERS = {
+    "asis": "{S}ASI", "psis": "{S}PSI", "t1": "{S}THI", "knee": "{S}KNE", "s1": "{S}TIB",
+    "ankle": "{S}ANK", "heel": "{S}HEE", "toe": "{S}TOE", "shoulder": "{S}SHO", "neck": "C7",
+}  # fmt: skip
+CMU = {
+    "asis": "{S}FWT", "psis": "{S}BWT", "t1": "{S}THI", "knee": "{S}KNE", "s1": "{S}SHN",
+    "ankle": "{S}ANK", "heel": "{S}HEE", "toe": "{S}TOE", "toe_out": "{S}MT5", "shoulder": "{S}SHO",
+}  # fmt: skip
+POSE2SIM = {
+    "hip_c": "{S}Hip", "knee_c": "{S}Knee", "ankle_c": "{S}Ankle", "heel": "{S}Heel",
+    "toe": "{S}BigToe", "toe_out": "{S}SmallToe", "shoulder": "{S}Shoulder", "neck": "Neck",
+}  # fmt: skip
+KINECT = {
+    "hip_c": "HIP_{side}", "knee_c": "KNEE_{side}", "ankle_c": "ANKLE_{side}", "toe": "FOOT_{side}",
+    "neck": "NECK",
+}  # fmt: skip
+SKELETON = {
+    "hip_c": "{side}UpLeg", "knee_c": "{side}Leg", "ankle_c": "{side}Foot", "toe": "{side}ToeBase",
+    "neck": "Neck",
+}  # fmt: skip
+# static trial and walk of one set: what is taken off between them
+GAIT2392 = {
+    "asis": "{S}.ASIS", "sacrum": "V.Sacral", "t1": "{S}.Thigh.Upper", "t2": "{S}.Thigh.Front",
+    "t3": "{S}.Thigh.Rear", "knee": "{S}.Knee.Lat", "knee_in": "{S}.Knee.Med",
+    "s1": "{S}.Shank.Upper", "s2": "{S}.Shank.Front", "s3": "{S}.Shank.Rear",
+    "ankle": "{S}.Ankle.Lat", "ankle_in": "{S}.Ankle.Med", "heel": "{S}.Heel",
+    "toe": "{S}.Toe.Tip", "toe_out": "{S}.Toe.Lat",
+}  # fmt: skip
+TAKEN_OFF = ("knee", "knee_in", "ankle", "ankle_in")
 
 
 def along(position, *axes_and_steps):
@@ -70,6 +109,7 @@ def walker(labels, speed=1.2, bend=0.0, seconds=3.5, rate=100.0, twist=0.0):
         front = np.cos(angle) * fore - np.sin(angle) * out
         knee = hip + THIGH * down
         calf = np.sin(swing - flex) * ahead - np.cos(swing - flex) * up
+        shin = np.cos(swing - flex) * ahead + np.sin(swing - flex) * up
         ankle = knee + SHANK * calf
         heel = along(ankle, (ahead, -0.05), (up, -0.06))
         toe = along(ankle, (ahead, 0.15), (up, -0.07))
@@ -82,11 +122,21 @@ def walker(labels, speed=1.2, bend=0.0, seconds=3.5, rate=100.0, twist=0.0):
             "t1": along(hip, (down, 0.18), (axis, 0.09), (front, 0.01)),
             "t2": along(hip, (down, 0.26), (axis, 0.07), (front, 0.05)),
             "t3": along(hip, (down, 0.27), (axis, 0.08), (front, -0.04)),
+            "t4": along(hip, (down, 0.35), (axis, 0.06), (front, 0.05)),
             "hip_c": hip, "knee_c": knee, "ankle_c": ankle,
+            "s1": along(knee, (calf, 0.10), (shin, 0.06), (out, 0.05)),
+            "s2": along(knee, (calf, 0.20), (shin, 0.05), (out, -0.03)),
+            "s3": along(knee, (calf, 0.24), (shin, -0.04), (out, 0.05)),
+            "toe_in": along(toe, (out, -0.05), (ahead, 0.03)),
+            "sacrum": along(place, (ahead, -PD)), "neck": along(place, (up, 0.5)),
+            "shoulder": along(place, (up, 0.5), (out, 0.18)),
         }  # fmt: skip
         truth[side] = {"hip": hip, "knee": knee, "ankle": ankle}
         for place_name, label in labels.items():
-            names.append(label.replace("{S}", side[0].upper()).replace("{s}", side[0]))
+            if "{" not in label and sign < 0:
+                continue  # there is one of it
+            label = label.replace("{S}", side[0].upper()).replace("{s}", side[0])
+            names.append(label.replace("{side}", side.title()))
             tracks.append(where[place_name])
     return names, np.stack(tracks, axis=1), truth
 

@@ -76,7 +76,7 @@ def test_biomechzoo_walk(paper_data):
     # PROCESSING:RFemurLength, RTibiaLength
     assert raw.lengths()["right_thigh"][0] == pytest.approx(0.4125, rel=0.02)
     assert raw.lengths()["right_shank"][0] == pytest.approx(0.4198, rel=0.02)
-    lateral = read_motion(path, "lateral", rigid=False)
+    lateral = read_motion(path, map="lateral", rigid=False)
     for joint in ("right_hip", "right_knee", "left_knee", "right_ankle", "left_ankle"):
         off = np.linalg.norm(lateral.joint_centre(joint) - raw.joint_centre(joint), axis=1)
         assert np.median(off) < 0.03, joint

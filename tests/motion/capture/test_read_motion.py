@@ -53,7 +53,7 @@ def test_pose_of_a_known_rigid_motion(tmp_path, kind, unit, up):
     extra = {"up": "+" + up.upper()} if kind == "c3d" else {}
     WRITERS[kind](path, ["R.Heel", "R.ASIS", "side"], moved, rate=rate, unit=unit, **extra)
     (tmp_path / "direct.toml").write_text(DIRECT)
-    rec = read_motion(path, tmp_path / "direct.toml", cutoff=None)
+    rec = read_motion(path, map=tmp_path / "direct.toml", cutoff=None)
     found, axes = pose_from_markers(*np.moveaxis(rec.points["limb"], 1, 0))
     exact = np.stack([e1, e2, np.cross(e1, e2)], axis=1)
     close = 1e-12 if kind != "c3d" else 2e-6
@@ -66,7 +66,7 @@ def test_pose_of_a_known_rigid_motion(tmp_path, kind, unit, up):
 
 SETS = {
     "medial": (BMC, "medial"),
-    "opencap": (OPENCAP, "medial"),
+    "opencap": (OPENCAP, "opencap"),
     "plug-in": (PLUG_IN, "plug-in-gait"),
     "lateral": (LATERAL, "lateral"),
     "rajagopal": (RAJAGOPAL, "lateral"),

@@ -44,7 +44,7 @@ def test_c3d_leaves_out_what_is_no_place(tmp_path):
 
 def test_c3d_without_ezc3d(tmp_path, monkeypatch):
     """A sentence, and only when a C3D file is read."""
-    (tmp_path / "a.c3d").write_bytes(bytes(1024))
+    (tmp_path / "a.c3d").write_bytes(b"\x02\x50" + bytes(1022))
     monkeypatch.setitem(sys.modules, "ezc3d", None)
     names, tracks, _ = walker(BMC, seconds=0.5)
     assert len(read_markers(write_csv(tmp_path / "a.csv", names, tracks)).names) == 18
@@ -100,7 +100,7 @@ def test_bad_files_are_refused_in_a_sentence(tmp_path):
     refused(r"'R\.Ankle' holds no numbers", map="medial")
     write_trc(path, [n.replace("R.Knee", "R.Kneee") for n in names], 1000 * tracks)
     refused(r"right_knee_lateral.*closest label: 'R\.Kneee'", map="medial")
-    refused("no shipped map fits.*medial.*plug-in-gait.*lateral")
+    refused("no shipped map fits.*medial.*lateral")
     swapped = [{"R.Knee": "R.Knee.Medial", "R.Knee.Medial": "R.Knee"}.get(n, n) for n in names]
     write_trc(path, swapped, 1000 * tracks)
     refused("right_thigh lies inward.*lateral and medial")
@@ -125,7 +125,7 @@ def test_a_marker_on_the_axis_is_refused(tmp_path):
     (tmp_path / "map.toml").write_text(DIRECT)
     path = write_csv(tmp_path / "a.csv", ["R.Heel", "R.ASIS", "side"], tracks)
     with pytest.raises(ValueError, match=r"a\.csv: M of 'limb' is 5\.0 mm off"):
-        read_motion(path, tmp_path / "map.toml", up="z")
+        read_motion(path, map=tmp_path / "map.toml", up="z")
 
 
 @pytest.mark.parametrize(
@@ -149,5 +149,5 @@ def test_maps_are_checked(tmp_path, old, new, match):
     with pytest.raises(ValueError, match=match) as error:
         segment_map(path)
     assert str(path) in str(error.value)
-    with pytest.raises(ValueError, match="no map 'media'; there are medial"):
+    with pytest.raises(ValueError, match=r"no map 'media'; there are .*medial"):
         segment_map("media")

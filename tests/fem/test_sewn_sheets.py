@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Shells with three cells at an edge: energies of two flat sheets sewn together, by hand."""
+
+import numpy as np
+import pytest
+
+import meshes
+import shellform as sf
+from shellform.fem.director import rotation_matrix
+from tests.meshes.sewn import with_patch
+
+# dolfinx 0.5.2 cannot share out a patch that is sewn on all around
+pytestmark = pytest.mark.serial
+
+CLOTH = sf.Fabric.isotropic(1e6, 0.3, thickness=0.5e-3, density=400.0, bending_stiffness=1e-5)
+
+
+def sheets():
+    """A square, and one with a patch of its middle cells that lies flat on it."""
+    plain = meshes.rectangle(0.6, 0.6, (6, 6))
+    middle = plain.points[plain.cells].mean(axis=1)
+    chosen = (np.abs(middle[:, :2] - 0.3) < 0.2).all(axis=1)
+    sewn = with_patch(plain, chosen, off=0.0)
+    with pytest.warns(UserWarning, match="lie on another point"):
+        return plain, sewn.replace(verify=True), chosen.sum() / len(chosen)
+
+
+def energy(surface, move):
+    shell = sf.Shell(surface, CLOTH)
+    stepper = sf.Newmark(shell)
+    stepper.owned[:, :3], stepper.owned[:, 3:] = move(stepper.points)
+    stepper.owned[:, :3] -= stepper.points
+    stepper.scatter()
+    return sum(stepper.strain_energy().values())
+
+
+@pytest.mark.parametrize("kind", ["stretched", "rolled", "turned"])
+def test_energy_of_a_patch(kind):
+    """Stretched or rolled evenly, the patch adds its share of the area; turned, nothing."""
+
+    def move(x):
+        up = np.tile([0.0, 0.0, 1.0], (len(x), 1))
+        if kind == "stretched":
+            return x * [1.02, 1.01, 1.0], up
+        if kind == "turned":
+            turn = rotation_matrix([0.3, -0.5, 0.8])
+            return x @ turn.T, up @ turn.T
+        radius, angle = 0.4, x[:, 0] / 0.4
+        away = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=1)
+        return radius * away + x * [0.0, 1.0, 0.0], away
+
+    plain, sewn, share = sheets()
+    one, both = energy(plain, move), energy(sewn, move)
+    if kind == "turned":
+        assert abs(both) < 1e-12
+    else:
+        assert both == pytest.approx((1 + share) * one, rel=1e-9) and one > 0
