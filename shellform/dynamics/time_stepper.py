@@ -5,6 +5,7 @@ The TS is of Python type, so -shell_ts_monitor, -shell_ts_max_steps, ... act. It
 nodal field w, brought up to date at the end of each `advance`.
 """
 
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -61,7 +62,9 @@ class Stepper:
         self.ts = PETSc.TS().create(shell.comm)
         self.ts.setOptionsPrefix(prefix)
         self.ts.setType(PETSc.TS.Type.PYTHON)
-        self.ts.setPythonContext(_Context(self))
+        # PETSc's hold on it is one that Python's collector cannot see: the two would never be freed
+        self.ts.setPythonContext(_Context(weakref.proxy(self)))
+        weakref.finalize(self, self.ts.destroy)  # at exit too: PETSc is finalised later
         self.ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         self.ts.setMaxSteps(2**31 - 1)
         # PETSc copies this vector around every step: it must not be the memory of w

@@ -11,6 +11,7 @@ measured (roundoff.py).
 Options carry a prefix; what the user sets on the command line or in PETSC_OPTIONS wins.
 """
 
+import weakref
 from dataclasses import dataclass
 
 from petsc4py import PETSc
@@ -79,11 +80,14 @@ class Newton:
         self.reason, self.roundoff = "not yet run", 0.0
         self.snes = PETSc.SNES().create(eq.shell.comm)
         self.snes.setOptionsPrefix(prefix)
-        self.snes.setFunction(lambda snes, x, F: eq.residual(x, F), eq.F)
-        self.snes.setJacobian(lambda snes, x, K, P: eq.tangent(x) and None, eq.K)
-        self.snes.setUpdate(lambda snes, iteration: self._advance(iteration))
-        self.snes.setConvergenceTest(self._converged)
+        # PETSc's hold on them is one that Python's collector cannot see: none would ever be freed
+        me, its = weakref.proxy(self), weakref.proxy(eq)
+        self.snes.setFunction(lambda snes, x, F: its.residual(x, F), eq.F)
+        self.snes.setJacobian(lambda snes, x, K, P: its.tangent(x) and None, eq.K)
+        self.snes.setUpdate(lambda snes, iteration: me._advance(iteration))
+        self.snes.setConvergenceTest(lambda *state: me._converged(*state))
         self.snes.setFromOptions()
+        weakref.finalize(self, self.snes.destroy)  # at exit too: PETSc is finalised later
 
     def solve(self, level: float) -> Step | None:
         """Solve at a load level or time from the present state; returns a Step, None if it fails.
