@@ -77,6 +77,7 @@ class Newton:
         set_defaults(prefix, DEFAULTS)
         eq.start(0.0)
         eq.tangent(eq.x)  # creates K
+        eq.assembly_seconds = 0.0  # of solves; forms may have been compiled here
         self.reason, self.roundoff = "not yet run", 0.0
         self.snes = PETSc.SNES().create(eq.shell.comm)
         self.snes.setOptionsPrefix(prefix)
