@@ -8,14 +8,14 @@ import sys
 
 import pytest
 
-from tests.demos.test_demos import ENVIRONMENT, ROOT
+from tests.ranks import ROOT, outside
 
 pytestmark = pytest.mark.serial
 
 
 def run(*arguments):
     return subprocess.run(
-        [sys.executable, *map(str, arguments)], cwd=ROOT, env=ENVIRONMENT, capture_output=True,
+        [sys.executable, *map(str, arguments)], cwd=ROOT, env=outside(), capture_output=True,
         text=True, timeout=300, check=False,
     )  # fmt: skip
 

@@ -24,7 +24,7 @@ from demos.studies.drape.square import (
     rim_of,
     states,
 )
-from tests.demos.test_demos import ENVIRONMENT, ROOT
+from tests.ranks import ROOT, outside
 
 pytestmark = pytest.mark.serial
 
@@ -121,7 +121,7 @@ def test_each_study_runs(study, tmp_path):
     done = subprocess.run(
         list(map(str, command)),
         cwd=ROOT,
-        env=ENVIRONMENT,
+        env=outside(),
         capture_output=True,
         text=True,
         timeout=600,
