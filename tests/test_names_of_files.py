@@ -16,7 +16,7 @@ from shellform.scene.scene import Scene
 from shellform.scene.scene_file import read_scene, write_scene
 from tests.motion.capture.c3d_bytes import write_c3d_bytes
 from tests.motion.capture.made_up import BMC, walker
-from tests.ranks import OUTSIDE, ROOT
+from tests.ranks import ROOT, outside
 from tests.simulation.short_walk import WALK
 
 LATIN = os.fsdecode(b"s\xe9jour")
@@ -31,7 +31,7 @@ def program(*words, **more):
     """A Python program outside of mpirun; what it printed as bytes."""
     return subprocess.run(
         [sys.executable, *map(str, words)],
-        cwd=ROOT, env=OUTSIDE | more, capture_output=True, timeout=600, check=False,
+        cwd=ROOT, env=outside() | more, capture_output=True, timeout=600, check=False,
     )  # fmt: skip
 
 
