@@ -130,28 +130,27 @@ SETTINGS = {
 }
 
 
+def read_damaged(files, folder, name, harm):
+    data = files[name]
+    for damage in harm:
+        data = damaged(data, damage)
+    path = folder / name
+    path.write_bytes(data)
+    outcome(path)
+
+
 @settings(max_examples=EXAMPLES, **SETTINGS)
 @given(name=st.sampled_from(TEXTS), harm=st.lists(DAMAGE, min_size=1, max_size=3))
 @example(name="walk.trc", harm=[("token", 0.0, 0.0, 9, b"x")])
 @example(name="own.csv", harm=[("cut", 0.0, 0.5, 0, b"x")])
 def test_damaged_texts(files, tmp_path, name, harm):
-    data = files[name]
-    for damage in harm:
-        data = damaged(data, damage)
-    path = tmp_path / name
-    path.write_bytes(data)
-    outcome(path)
+    read_damaged(files, tmp_path, name, harm)
 
 
 @settings(max_examples=max(EXAMPLES // 3, 1), **SETTINGS)
 @given(name=st.sampled_from(BINARY), harm=st.lists(DAMAGE, min_size=1, max_size=3))
 def test_damaged_c3d(files, tmp_path, name, harm):
-    data = files[name]
-    for damage in harm:
-        data = damaged(data, damage)
-    path = tmp_path / name
-    path.write_bytes(data)
-    outcome(path)
+    read_damaged(files, tmp_path, name, harm)
 
 
 @settings(max_examples=max(EXAMPLES // 2, 1), **SETTINGS)
