@@ -7,12 +7,19 @@ that was there before, and then all ranks end. Threads and `sys.exit` are Python
 `python -m mpi4py` sees to the latter.
 """
 
+import fcntl
+import os
+import stat
+import struct
 import sys
+import termios
 import time
 from types import ModuleType
 from typing import NoReturn
 
 HEAD_START = 0.5  # s, in which rank 0 tells, for all, what all ranks have met, and ends them
+PATIENCE = 2.0  # s, for the launcher to read what was written last; MPICH's drops what it has not
+PASSING_ON = 0.1  # s, for it to pass that on
 
 
 def watch_exceptions() -> None:
@@ -37,10 +44,24 @@ def end_all_ranks(code: int) -> NoReturn:
         for stream in (sys.stdout, sys.stderr):
             try:
                 stream.flush()
+                wait_until_read(stream.fileno())
             except (OSError, ValueError, AttributeError):  # closed, or nobody reads any more
                 pass
+        time.sleep(PASSING_ON)
         world.COMM_WORLD.Abort(code)
     sys.exit(code)
+
+
+def wait_until_read(pipe: int) -> None:
+    """Wait until what was written into a pipe was read at its other end, `PATIENCE` at most."""
+    if not stat.S_ISFIFO(os.fstat(pipe).st_mode):
+        return
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        (unread,) = struct.unpack("i", fcntl.ioctl(pipe, termios.FIONREAD, b"\0" * 4))
+        if not unread:
+            return
+        time.sleep(0.01)
 
 
 def _several_ranks() -> ModuleType | None:
