@@ -55,14 +55,27 @@ def numbers_of(cells: list[str], path: str | Path, line: int) -> list[float]:
     return out
 
 
+def table_of(rows: list[list[float]], path: str | Path) -> np.ndarray:
+    """Rows of numbers as an array (n, columns); ValueError where there is none.
+
+    One frame is a table too, as of a static trial: `recording` asks for the two of a motion.
+    """
+    if not rows:
+        raise ValueError(f"{path}: no frame of numbers; export it again")
+    return np.array(rows)
+
+
 def even_times(
     times: np.ndarray, positions: np.ndarray, rate: float | None, path: str | Path
 ) -> tuple[np.ndarray, np.ndarray, float, list[str]]:
     """Frames on an even grid of times; frames that were left out become gaps.
 
     A rate from the header counts, as times are often rounded to 1 ms. Without it, times that
-    rounding can have put off an even grid are taken as one.
+    rounding can have put off an even grid are taken as one. One frame alone needs no rate, and gets
+    1 Hz without.
     """
+    if len(times) == 1:
+        return np.nan_to_num(times), positions, rate or 1.0, []
     steps = np.diff(times)
     if not np.isfinite(times).all() or not (steps >= 0).all() or times[-1] <= times[0]:
         bad = int(np.argmax(~(steps >= 0))) + 2

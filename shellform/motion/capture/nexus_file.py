@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .marker_table import Raw, even_times, number_of, numbers_of
+from .marker_table import Raw, even_times, number_of, numbers_of, table_of
 from .text_tables import cells_of
 
 SECTIONS = ("Trajectories", "Model Outputs")
@@ -73,9 +73,7 @@ def _section(lines, top, separator, path):
             )
         row = row[:width] + [""] * (width - len(row))
         rows.append(numbers_of(row, path, k))
-    if len(rows) < 2:
-        raise ValueError(f"{path}: {len(rows)} frames of numbers; at least two are needed")
-    table = np.array(rows)
+    table = table_of(rows, path)
     places = np.stack([table[:, k : k + 3] for k in use], axis=1) if use else np.zeros((0, 0, 3))
     return [head[k] for k in use], table[:, 0], places, rate, next(iter(said), None)
 

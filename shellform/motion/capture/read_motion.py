@@ -159,6 +159,11 @@ def recording(
         second for the cutoff, nobody moves that fast, or M lies within 10 mm of J1-J2.
     """
     source = markers.source
+    if len(markers.times) < 2:
+        raise Mendable(
+            f"{source}: one frame is no motion",
+            "pass a capture with two at least; one frame is enough as {static:standing.trc}",
+        )
     if cutoff is not None and not 0 < cutoff < 0.4 * markers.rate:
         raise Mendable(
             f"{source}: cutoff must lie between 0 and {0.4 * markers.rate:.4g} Hz at "
