@@ -3,7 +3,7 @@
 
 A reader makes a `Raw` of labels, times and positions and interprets nothing but the layout: gaps
 are NaN, units and vertical are only what the file says of them. Here are the parts it is made with:
-numbers in cells, times on an even grid, every label once.
+numbers in cells, times on an even grid.
 """
 
 from pathlib import Path
@@ -105,27 +105,3 @@ def even_times(
     out = np.full((length, *positions.shape[1:]), np.nan)
     out[place] = positions
     return times[0] + np.arange(length) / rate, out, rate, notes
-
-
-def named_once(raw: Raw, path: str | Path) -> Raw:
-    """Labels without prefix, each once; of two the one that holds numbers."""
-    short = [name.split(":")[-1].strip() for name in raw.names]
-    notes = list(raw.notes)
-    prefixes = sorted({n.split(":")[0].strip() for n in raw.names if ":" in n})
-    if prefixes:
-        notes.append(f"prefix {', '.join(prefixes)} taken off the labels")
-    full = np.isfinite(raw.positions).any(axis=(0, 2))
-    keep = []
-    for k, name in enumerate(short):
-        twins = [j for j, other in enumerate(short) if other == name]
-        holding = [j for j in twins if full[j]]
-        if len(holding) > 1:
-            raise ValueError(
-                f"{path}: two markers are called '{name}' ({', '.join(raw.names[j] for j in twins)}"
-                "); export one subject, or rename one"
-            )
-        if k == (holding or twins)[0]:
-            keep.append(k)
-    return raw._replace(
-        names=tuple(short[k] for k in keep), positions=raw.positions[:, keep], notes=tuple(notes)
-    )

@@ -95,7 +95,7 @@ def read_motion(
     """
     if map is not None and not isinstance(map, SegmentMap):
         map = segment_map(map)
-    raw = read_table(file)
+    raw = read_table(file, map)
     if map is None and static is None:
         require_set(raw.names, str(file))
     markers = to_markers(raw, str(file), regions(raw.names, map), unit, up)
@@ -128,7 +128,7 @@ def read_markers(
     ImportError
         When a C3D file is asked for and ezc3d is not installed.
     """
-    raw = read_table(path)
+    raw = read_table(path, map)
     return to_markers(raw, str(path), regions(raw.names, map), unit, up)
 
 
@@ -184,6 +184,7 @@ def recording(
     with np.errstate(all="ignore"):  # markers that coincide are refused by what comes of them
         points = fitted.points(tracks)
     require_shape(points, times, source)
+    notes += fitted.choices(tracks)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
         points = fitted.points(tracks)
