@@ -25,7 +25,7 @@ def read_nexus(lines: list[str], separator: str, path: str | Path) -> Raw:
             found[word[0]] = _section(lines, k, separator, path)
     main = found["Trajectories"]
     names, numbers, places, rate, unit = main
-    notes = []
+    notes = _cut_short(lines, separator, numbers)
     model = found.get("Model Outputs")
     if model is not None and model[0]:
         if model[3] == rate and np.array_equal(model[1], numbers) and model[4] == unit:
@@ -38,6 +38,22 @@ def read_nexus(lines: list[str], separator: str, path: str | Path) -> Raw:
         raise ValueError(f"{path}: section Trajectories names no marker over columns X, Y, Z")
     times, places, rate, more = even_times(numbers / rate, places, rate, path)
     return Raw(tuple(names), times, places, rate, unit, None, (*notes, *more))
+
+
+def _cut_short(lines, separator, numbers):
+    """A note where devices go on beyond the trajectories: the format has no number of frames."""
+    words = [line.split(separator or None, 1)[:1] for line in lines]
+    if ["Devices"] not in words:
+        return []
+    frames = [number_of(w[0]) if w else None for w in words[words.index(["Devices"]) + 5 :]]
+    end = next((k for k, frame in enumerate(frames) if frame is None or np.isnan(frame)), None)
+    last = max(frames[:end], default=0.0)
+    if last <= numbers[-1]:
+        return []
+    return [
+        f"the trajectories end at frame {numbers[-1]:.0f}, the devices at {last:.0f}: the file may "
+        "be cut off"
+    ]
 
 
 def _section(lines, top, separator, path):
