@@ -17,7 +17,7 @@ import numpy as np
 from .c3d_contents import Contents, contents_of
 from .marker_table import Raw
 
-NO_PLACE = re.compile(r"(angles?|forces?|moments?|powers?|torques?|index)$", re.IGNORECASE)
+NO_PLACE = re.compile(r"(angles?|forces?|moments?|powers?|torques?|index|grf)$", re.IGNORECASE)
 NO_PLACE_GROUPS = ("ANGLE", "FORCE", "MOMENT", "POWER", "SCALAR", "REACTION", "TORQUE")
 SAME_RATE = 0.005  # relative, of the header and POINT:RATE
 AXES = ("x", "y", "z", "-x", "-y", "-z")

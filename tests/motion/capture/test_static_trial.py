@@ -74,6 +74,20 @@ def test_a_static_trial_of_one_frame(tmp_path, ending):
         read_motion(path)
 
 
+def test_a_marker_of_the_midfoot_is_none_of_the_shank(tmp_path):
+    """It lies 80 mm beside the ankle and hardly moves against the shank while a foot is flat, as in
+    the first frames of gait2392's walk: the ankle would follow the foot."""
+    labels = {**GAIT2392, "midfoot": "{S}.Midfoot.Sup"}
+    walk, _, truth = trials(tmp_path, labels, seconds=0.06)
+    names, tracks, _ = walker(labels, seconds=0.01)
+    static = write_trc(tmp_path / "standing.trc", names, 1000 * y_up(tracks))
+    rec = read_motion(walk, static, cutoff=None, rigid=False)
+    by = [n.split(" by ")[1] for n in rec.notes if n.startswith("R.Ankle.Lat")]
+    assert by and "Midfoot" not in by[0], by
+    off = rec.joint_centre("right_ankle") - truth["right"]["ankle"]
+    assert np.linalg.norm(off, axis=1).max() < EXACT
+
+
 def test_clusters_with_noise_and_gaps(tmp_path):
     """1 mm of noise in each marker, one of a cluster lost for a while and a fourth one beside it:
     no more at the joints than the lever of the cluster makes of it."""
