@@ -36,9 +36,25 @@ def fits(names: Collection[str]) -> list[Fit]:
     out = []
     for name in SHIPPED:
         map = segment_map(name)
-        words = vocabulary(map)
-        out.append(Fit(map, sum(plain(n) in words for n in names), try_map(map, names)[1]))
+        out.append(Fit(map, len(belonging(map, names)), try_map(map, names)[1]))
     return sorted(out, key=lambda fit: (bool(fit.lacks), -fit.explained))
+
+
+def belonging(map: SegmentMap, names: Collection[str]) -> list[str]:
+    """Labels that belong to a set; of several that may be one marker, the one in use.
+
+    `RKNE` and `RKnee` in one file are not both the lateral marker of the knee.
+    """
+    words, there = vocabulary(map), {plain(name) for name in names}
+    used = {}
+    for key, spellings in map.markers.items():
+        used[key] = next((plain(s) for s in spellings if plain(s) in there), "")
+    out = []
+    for name in names:
+        key = words.get(plain(name))
+        if key is not None and (not key or used[key] == plain(name)):
+            out.append(name)
+    return out
 
 
 def choose_map(markers: Markers, hint: bool = True) -> SegmentMap:
@@ -78,7 +94,10 @@ def require_set(names: Collection[str], source: str) -> None:
 def _refusal(ranked, names, empty, source, hint):
     """What the sets lack that explain most labels."""
     total, said = len(names), []
-    for fit in [fit for fit in ranked if fit.explained][:3] or ranked[:1]:
+    if not any(fit.explained for fit in ranked):
+        shown = ", ".join(f"'{name}'" for name in list(names)[:6]) + (", ..." if total > 6 else "")
+        said.append(f"none of the {total} labels belongs to a set ({shown})")
+    for fit in [fit for fit in ranked if fit.explained][:3]:
         segment, marker = next(iter(fit.lacks.items()))
         spellings = fit.map.markers[marker] or (marker,)
         said.append(
@@ -101,8 +120,7 @@ def set_notes(map: SegmentMap, names: Iterable[str]) -> list[str]:
     """What is to be told of a set that was chosen: labels it explains, and those that are joint
     centres in it and skin markers in another set, or the other way about."""
     names = list(names)
-    words = vocabulary(map)
-    known = [name for name in names if plain(name) in words]
+    words, known = vocabulary(map), belonging(map, names)
     notes = [f"map '{map.name}'"]
     if len(known) < len(names):
         rest = [name for name in names if name not in known]

@@ -95,7 +95,7 @@ def read_motion(
     """
     if map is not None and not isinstance(map, SegmentMap):
         map = segment_map(map)
-    raw = read_table(file)
+    raw = read_table(file, map)
     if map is None and static is None:
         require_set(raw.names, str(file))
     markers = to_markers(raw, str(file), regions(raw.names, map), unit, up)
@@ -128,7 +128,7 @@ def read_markers(
     ImportError
         When a C3D file is asked for and ezc3d is not installed.
     """
-    raw = read_table(path)
+    raw = read_table(path, map)
     return to_markers(raw, str(path), regions(raw.names, map), unit, up)
 
 
@@ -159,6 +159,11 @@ def recording(
         second for the cutoff, nobody moves that fast, or M lies within 10 mm of J1-J2.
     """
     source = markers.source
+    if len(markers.times) < 2:
+        raise Mendable(
+            f"{source}: one frame is no motion",
+            "pass a capture with two at least; one frame is enough as {static:standing.trc}",
+        )
     if cutoff is not None and not 0 < cutoff < 0.4 * markers.rate:
         raise Mendable(
             f"{source}: cutoff must lie between 0 and {0.4 * markers.rate:.4g} Hz at "
@@ -179,6 +184,7 @@ def recording(
     with np.errstate(all="ignore"):  # markers that coincide are refused by what comes of them
         points = fitted.points(tracks)
     require_shape(points, times, source)
+    notes += fitted.choices(tracks)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
         points = fitted.points(tracks)

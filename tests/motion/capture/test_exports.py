@@ -121,6 +121,41 @@ def test_exports_cut_in_half(tmp_path, program):
         assert any("header says" in note or "no end" in note for note in notes), notes
 
 
+HEADED = ("motive", "nexus", "qtm")
+
+
+@pytest.mark.parametrize("program", [*HEADED, "trc", "bvh"])
+@pytest.mark.parametrize("lost", [1, 40])
+def test_cut_at_the_end_of_a_line(tmp_path, program, lost):
+    """Whole lines that are missing are told where the header, or another section, has more: a
+    number of frames in all formats but CSV of one's own; the devices in Nexus'."""
+    names, tracks, _ = walker(BMC, rate=RATE)
+    path = tmp_path / "walk.txt"
+    if program in HEADED:
+        ending, write = PROGRAMS[program]
+        text = write(names, tracks)
+    elif program == "trc":
+        ending, text = "trc", write_trc(path, names, 1000 * tracks, rate=RATE).read_text()
+    else:
+        ending, text = "bvh", skeleton()[0]
+    if program == "nexus":
+        head, rest = text.split("\r\n\r\nModel")[0].split("Trajectories")
+        more = "".join(f"{k + 5},0,1,2,3\r\n" for k in range(len(tracks)))
+        text = head.replace("1,1,1.0,2.0,3.0\r\n", more) + "Trajectories" + rest + "\r\n"
+    path = tmp_path / f"walk.{ending}"
+    path.write_text(text, newline="")
+    words = ("header says", "may be cut off", "the file is cut off")
+    if program != "bvh":
+        assert not any(w in n for n in read_table(path).notes for w in words)
+    lines = text.splitlines(keepends=True)
+    path.write_text("".join(lines[:-lost]), newline="")
+    try:
+        notes = read_table(path).notes
+    except ValueError as error:
+        notes = (str(error),)
+    assert any(w in n for n in notes for w in words), notes
+
+
 ENCODINGS = ("utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp1252")
 
 
