@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from . import geometry
 from .geometry import nodal_normals
+from .seam_directors import seam_directors
 from .subdivide import halve
 from .topology import boundary_segments, chain, directed_edges
 from .validity import MeshError, check
@@ -37,7 +38,8 @@ class Surface:
         the middles of edges 01, 12, 23, 30 and the centre.
     edges : named lines of cell edges, each (k, 2) or, for 9-node cells, (k, 3) [end, end, middle];
         kept head to tail where a line does not branch.
-    directors : (n, 3) unit vectors; None takes `nodal_normals`.
+    directors : (n, 3) unit vectors; None takes `nodal_normals`, at seams of three
+        cells and more the middle between the sheets.
     warp : None, (3,) or (m, 3) direction of the warp yarns.
     panels : named groups of cell indices.
     source : file or generator, for messages.
@@ -82,11 +84,12 @@ class Surface:
             check(self)
             if self.directors is None:
                 try:
-                    put(self, "directors", nodal_normals(self.points, self.cells))
+                    normals = nodal_normals(self.points, self.cells)
                 except ValueError as error:
                     raise MeshError(
                         f"{self.source}: {error}; give the directors or separate the points."
                     ) from None
+                put(self, "directors", seam_directors(self.points, self.cells, normals))
 
     def __repr__(self):
         count = len(self.cells)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .geometry import area_vectors, coincident_pairs, diagonal, mean_normals, node_crosses
+from .seam_directors import seam_directors
 from .sheets import seams
 from .topology import corner_count, directed_edges, edge_keys, neighbours, unique_edges
 
@@ -173,7 +174,8 @@ def _check_directions(surface):
     if directors is None and seams(cells):
         normals = mean_normals(points, cells)
         size = np.linalg.norm(normals, axis=1, keepdims=True)
-        _check_seams(points, cells, normals / np.maximum(size, 1e-12), source)
+        middle = seam_directors(points, cells, normals / np.maximum(size, 1e-12))
+        _check_seams(points, cells, middle, source)
     if directors is not None:
         if directors.shape != points.shape:
             raise MeshError(
@@ -222,11 +224,16 @@ def _check_seams(points, cells, directors, source):
     if along.min() < np.cos(np.radians(STEEPEST)):
         row, end = np.unravel_index(along.argmin(), along.shape)
         angle = np.degrees(np.arccos(np.clip(along.min(), -1.0, 1.0)))
+        mend = (
+            "it is folded back at a border that both have: join it there to one side alone, by "
+            "points of its own"
+            if angle > 120.0
+            else "lay what is sewn on nearer to a sheet, or give it points of its own"
+        )
         raise MeshError(
             f"{source}: at the seam of more than two sheets at point {ends[row, end]} cell "
-            f"{at[row]} stands {angle:.0f} degrees off the others, and up to {STEEPEST:g} can be "
-            "computed: lay what is sewn on flat (collar, placket, pocket), or give it points of "
-            "its own."
+            f"{at[row]} stands {angle:.0f} degrees off the director that they share, and up to "
+            f"{STEEPEST:g} can be computed: {mend}."
         )
 
 

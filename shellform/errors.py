@@ -34,6 +34,17 @@ class Unstable(RuntimeError):
     """
 
 
+class CompilerError(RuntimeError):
+    """There is no C compiler, or it could not compile, or nowhere to write to; says what to do.
+
+    Examples
+    --------
+    >>> raise CompilerError("no C compiler: 'gcc' is not found")
+    Traceback (most recent call last):
+    CompilerError: no C compiler: 'gcc' is not found
+    """
+
+
 class Stopped(RuntimeError):
     """The run was interrupted; what it had reached is kept, the message says how to go on.
 

@@ -17,7 +17,7 @@ from contact.solver.cell_pairs import PAIR, farthest, find_pairs, list_near
 from contact.solver.pair_impulses import PASSES, add_shares, book_pairs, pass_kernel, set_masses
 from contact.solver.velocity_correction import VelocityCorrection
 from meshes import Surface
-from shellform.fem.dolfinx_compat import Function, add_ghosts, given_cells, vector_space
+from shellform.fem.dolfinx_compat import Function, add_ghosts, vector_space
 
 SKIN = 0.5  # of the mean length of the edges: pairs within it are listed
 OLD, ALLOWED = slice(6, 9), 9  # places among a node's numbers, after x and v
@@ -62,7 +62,7 @@ class EdgeContact:
         self._offset, self._recovery = float(offset), float(recovery)
         edges, first = cell_edges(surface)
         lengths = np.linalg.norm(np.diff(surface.points[edges], axis=1)[:, 0], axis=1)
-        own = np.isin(first, given_cells(partition.mesh))
+        own = np.isin(first, partition.cells)
         self._edges = np.ascontiguousarray(partition.local_numbers[edges[own]])
         self._lengths, self._skin = lengths[own], SKIN * float(lengths.mean())
         n, m = partition.n_owned, partition.n_local

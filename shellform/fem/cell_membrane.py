@@ -27,7 +27,7 @@ from shellform.material.sheet import Sheet
 from shellform.material.wrinkling import WRINKLED
 
 from .arc import half_length_squared
-from .dolfinx_compat import cell_nodes, given_cells
+from .dolfinx_compat import cell_nodes
 from .membrane_law import Density, MembraneLaw, Quadratic
 from .partition import Partition
 from .segment_forms import WIDTH, SegmentForms
@@ -224,4 +224,4 @@ def cell_warp(surface: Surface, fabric: Sheet, partition: Partition) -> np.ndarr
     warp = np.asarray(surface.warp, float)
     if warp.ndim == 1:
         return warp
-    return warp[given_cells(partition.mesh)[: len(cell_nodes(partition.space))]]
+    return warp[partition.cells]

@@ -76,7 +76,13 @@ def _forms_folder() -> Path:
 
 
 def surface_mesh(
-    comm: MPI.Comm, kind: str, degree: int, cells: np.ndarray, points: np.ndarray, at_edge: int = 2
+    comm: MPI.Comm,
+    kind: str,
+    degree: int,
+    cells: np.ndarray,
+    points: np.ndarray,
+    at_edge: int = 2,
+    ranks: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Mesh:
     """Mesh of a surface in 3-D shared out over the ranks.
 
@@ -85,6 +91,8 @@ def surface_mesh(
     kind : 'triangle' or 'quadrilateral'; degree : of the geometry
     cells : (m, k) int, nodes in dolfinx's order; points : (n, 3) [m]; both as rank 0 has them
     at_edge : most cells that meet at an edge
+    ranks : data and offsets (m + 1,), both int32, of the rank of each cell and those that have a
+        cell with a side of it; None leaves them to dolfinx
     """
     first = comm.rank == 0
     given: dict[str, Any] = {
@@ -96,8 +104,22 @@ def surface_mesh(
         given["ghost_mode"] = dolfinx.mesh.GhostMode.none
     if "max_facet_to_cell_links" in _TO_MAKE:
         given["max_facet_to_cell_links"] = at_edge
+    if ranks is not None:
+        given["partitioner"] = _partitioner(*ranks if first else (ranks[0][:0], ranks[1][:1]))
     with quiet_compiler(_forms_folder(), first):
         return dolfinx.mesh.create_mesh(comm, **given)
+
+
+def _partitioner(data: np.ndarray, offsets: np.ndarray) -> Any:
+    """What create_mesh asks for the ranks of the cells that this rank gives it."""
+    if "ghost_mode" not in _TO_MAKE:
+        # where there is a ghost mode, neighbours are asked for and dropped again
+        data, offsets = data[offsets[:-1]], np.arange(len(offsets), dtype=np.int32)
+
+    def partition(*what: object) -> Any:
+        return cpp.graph.AdjacencyList_int32(data, offsets)
+
+    return partition
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:

@@ -33,7 +33,8 @@ from shellform.material.energy import StVenant
 from shellform.material.sheet import Sheet
 
 from . import strains
-from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_nodes, given_cells, vector_space
+from .dolfinx_compat import Constant, Expr, Function, Mesh, cell_nodes, vector_space
+from .partition import Partition
 from .terms import Densities, Term, stacked, stacked_product
 
 Pairs = tuple[tuple[float, float], ...]  # points and weights on [0, 1]
@@ -78,8 +79,7 @@ def measure(mesh: Mesh, rule: str) -> ufl.Measure:
 
 
 def energy_terms(
-    mesh: Mesh,
-    surface: Surface,
+    partition: Partition,
     fabric: Sheet,
     law: StVenant,
     membrane: str,
@@ -90,12 +90,13 @@ def energy_terms(
 
     Parameters
     ----------
-    mesh : dolfinx.mesh.Mesh of the surface
-    surface, fabric, law, membrane, curvature, thick : see `Shell`
+    partition : of the surface
+    fabric, law, membrane, curvature, thick : see `Shell`
 
     The membrane of quads by six lengths (`has_six_lengths`) is not among them.
     """
-    M = strains.lamina(mesh, warp_field(mesh, surface.warp) if fabric.directional else None)
+    mesh, surface = partition.mesh, partition.surface
+    M = strains.lamina(mesh, warp_field(partition) if fabric.directional else None)
     V = strains.voigt(M)
     matrices = ("membrane", "coupling", "bending", "third_moment", "fourth_moment", "shear")
     A, B, D, E, F, S = (Constant(mesh, np.array(getattr(fabric, m))) for m in matrices)
@@ -180,14 +181,14 @@ def _nine_nodes(V, M, stiffness, cap, thick, of_law):
     return [*terms, Term("coupling", stacked(measures), stacked_product(V, blocks), "gauss2")]
 
 
-def warp_field(mesh: Mesh, warp: np.ndarray | None) -> Expr:
+def warp_field(partition: Partition) -> Expr:
     """UFL vector of the warp direction: one for all (3,), or one a cell (m, 3)."""
-    warp = np.asarray(warp, float)
+    mesh, warp = partition.mesh, np.asarray(partition.surface.warp, float)
     if warp.ndim == 1:
         return Constant(mesh, warp)
     field = Function(vector_space(mesh, "DG", 0, 3))
     # dolfinx renumbers cells; field numbering follows its own cells
-    field.x.array.reshape(-1, 3)[:] = warp[given_cells(mesh)]
+    field.x.array.reshape(-1, 3)[:] = warp[partition.cells]
     return field
 
 

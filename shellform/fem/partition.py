@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshes import Surface
-from meshes.topology import directed_edges, edge_keys
+from meshes.sheets import seams
 
 from .dolfinx_compat import (
     Mesh,
@@ -27,6 +27,7 @@ from .dolfinx_compat import (
     surface_mesh,
     vector_space,
 )
+from .sewn_parts import order_of_cells, ranks_of_cells, sharing_ranks
 
 # corners of a dolfinx cell run in tensor order, those of a surface in cyclic order
 DOLFINX_ORDER = {3: [0, 1, 2], 4: [0, 1, 3, 2], 9: [0, 1, 3, 2, 4, 7, 5, 6, 8]}
@@ -43,6 +44,7 @@ class Partition:
     surface : meshes.Surface, whole, in the user's numbering
     mesh : dolfinx.mesh.Mesh
         Coordinates are relative to `origin`: a garment far from the origin loses no digits.
+    cells : (m_local,) int64, surface cell of every cell of this rank
     space : fem.FunctionSpace of the nodal field w = (u, d), 6 components
     nodes : (n_local,) int64, surface node of every local node, owned ones first, then ghosts
     n_owned, n_local : int
@@ -56,7 +58,8 @@ class Partition:
         self.origin = surface.points.mean(axis=0)
         self.length = float(np.sqrt(surface.area))
         cells = surface.cells[:, DOLFINX_ORDER[surface.cells.shape[1]]]
-        self.mesh = _shared_out(surface, comm, cells, surface.points - self.origin)
+        self.mesh, order = _shared_out(surface, comm, cells, surface.points - self.origin)
+        self.cells = order[given_cells(self.mesh)]
         self.space = vector_space(self.mesh, "Lagrange", surface.degree, 6)
         index_map = self.space.dofmap.index_map
         self.n_owned, self.n_local = (
@@ -171,26 +174,24 @@ class Partition:
 
     def gather_cells(self, values: np.ndarray) -> np.ndarray:
         """Values (m, k) of the surface's cells, on all ranks, from those (m_local, k) of each."""
-        own = given_cells(self.mesh)[: len(values)], np.ascontiguousarray(values)
+        own = self.cells[: len(values)], np.ascontiguousarray(values)
         whole = np.empty((len(self.surface.cells), *np.shape(values)[1:]))
         for cells, part in self.comm.allgather(own):
             whole[cells] = part
         return whole
 
 
-def _shared_out(surface: Surface, comm: MPI.Comm, cells: np.ndarray, points: np.ndarray) -> Mesh:
-    """Mesh of the surface; ValueError where dolfinx cannot share out what branches."""
-    at_edge = np.unique(edge_keys(directed_edges(surface.cells), len(points)), return_counts=True)[
-        1
-    ]
-    most = int(at_edge.max())
-    try:
-        return surface_mesh(comm, surface.kind, surface.degree, cells, points, max(2, most))
-    except RuntimeError as error:
-        # seen in dolfinx 0.5.2 with a patch sewn on all around
-        if most < 3 or comm.size == 1 or "adjacency lists" not in str(error):
-            raise
-        raise ValueError(
-            f"dolfinx cannot share this branching surface out over {comm.size} ranks ({most} cells "
-            "at an edge): run it on one rank"
-        ) from None
+def _shared_out(
+    surface: Surface, comm: MPI.Comm, cells: np.ndarray, points: np.ndarray
+) -> tuple[Mesh, np.ndarray]:
+    """Mesh of the surface and the order (m,) in which dolfinx was given its cells."""
+    crowded = seams(surface.cells)
+    if not crowded:
+        order = np.arange(len(cells))
+        return surface_mesh(comm, surface.kind, surface.degree, cells, points), order
+    order, ranks = order_of_cells(surface), None
+    if comm.size > 1:
+        ranks = sharing_ranks(surface.cells[order], ranks_of_cells(surface, comm.size)[order])
+    most = max(map(len, crowded))
+    mesh = surface_mesh(comm, surface.kind, surface.degree, cells[order], points, most, ranks)
+    return mesh, order

@@ -144,7 +144,7 @@ class Shell:
     @cached_property
     def weak_form(self) -> WeakForm:
         """Energy, virtual work and tangent in UFL; made when first needed."""
-        terms = energy_terms(self.mesh, self.surface, self.fabric, self.law, **self.options)
+        terms = energy_terms(self.partition, self.fabric, self.law, **self.options)
         return WeakForm(self.mesh, terms, self.w, self.reference)
 
     @cached_property

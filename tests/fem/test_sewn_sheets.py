@@ -7,10 +7,7 @@ import pytest
 import meshes
 import shellform as sf
 from shellform.fem.director import rotation_matrix
-from tests.meshes.sewn import with_patch
-
-# dolfinx 0.5.2 cannot share out a patch that is sewn on all around
-pytestmark = pytest.mark.serial
+from tests.meshes.sewn import tee, with_patch
 
 CLOTH = sf.Fabric.isotropic(1e6, 0.3, thickness=0.5e-3, density=400.0, bending_stiffness=1e-5)
 
@@ -55,3 +52,43 @@ def test_energy_of_a_patch(kind):
         assert abs(both) < 1e-12
     else:
         assert both == pytest.approx((1 + share) * one, rel=1e-9) and one > 0
+
+
+@pytest.mark.parametrize("degrees", [45, 90, 150])
+def test_a_flap_turns_with_its_sheet(degrees):
+    """A rigid rotation of sheets that meet at an angle costs nothing."""
+    turn = rotation_matrix([0.3, -0.5, 0.8])
+    sewn = tee(4, degrees)[0]
+    shell = sf.Shell(sewn, CLOTH)
+    stepper = sf.Newmark(shell)
+    own = shell.partition.owned_nodes
+    stepper.owned[:, :3] = sewn.points[own] @ turn.T - sewn.points[own]
+    stepper.owned[:, 3:] = sewn.directors[own] @ turn.T
+    stepper.scatter()
+    assert abs(sum(stepper.strain_energy().values())) < 1e-14
+
+
+@pytest.mark.parametrize(("degrees", "bar"), [(30, 0.01), (90, 0.15)])
+def test_a_flap_is_a_cantilever(degrees, bar):
+    """Tip deflection P L^3/(3 D) of a flap on a held sheet, of first order in the cell size.
+
+    The cells at the seam are softer by the cosine of the director's lean.
+    """
+    width, push, bending = 0.4, 1e-7, 1e-5
+    cloth = sf.Fabric.isotropic(
+        1e6, 0.0, thickness=0.5e-3, density=400.0, bending_stiffness=bending
+    )
+    aside = np.array([-np.sin(np.radians(degrees)), 0.0, np.cos(np.radians(degrees))])
+    errors = []
+    for n in (4, 8):
+        sewn, sheet, tip = tee(n, degrees, width)
+        shell = sf.Shell(sewn, cloth)
+        shell.supports.clamp(sheet)
+        shell.loads.point(tip, push / len(tip) * aside)
+        statics = sf.Statics(shell)
+        statics.solve([1.0])
+        moved = (shell.positions() - sewn.points)[tip] @ aside
+        statics.destroy()
+        exact = push * (0.5 * width) ** 3 / (3 * bending * width)
+        errors.append(abs(moved.mean() / exact - 1))
+    assert errors[1] < bar and errors[1] < 0.6 * errors[0]

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+import meshes
 from meshes import Surface
 
 
@@ -58,10 +59,27 @@ def with_collar(surface, ring, rows, off=0.004):
     )
 
 
+def tee(n, degrees, size=0.4):
+    """A square of n x n cells and a flap from its middle line, at an angle to it.
+
+    Returns the surface, its points and the points of the flap's free edge.
+    """
+    flat = meshes.rectangle(size, size, (n, n))
+    line = np.flatnonzero(np.abs(flat.points[:, 0] - 0.5 * size) < 1e-9)
+    line = line[np.argsort(flat.points[line, 1])]
+    away = np.array([np.cos(np.radians(degrees)), 0.0, np.sin(np.radians(degrees))])
+    points, cells, last = [flat.points], [flat.cells], line
+    for row in range(1, n // 2 + 1):
+        new = len(flat.points) + len(line) * (row - 1) + np.arange(len(line))
+        points.append(flat.points[line] + size / n * row * away)
+        cells.append(np.stack([last[:-1], last[1:], new[1:], new[:-1]], axis=1))
+        last = new
+    whole = Surface(np.concatenate(points), np.concatenate(cells), verify=False)
+    return meshes.orient(whole).replace(verify=True), np.arange(len(flat.points)), last
+
+
 def pocketed_trousers(cell_size=0.04):
     """Trousers with a pocket on the front of either thigh, its top open, and a placket."""
-    import meshes
-
     plain = meshes.trousers("large-regular", cell_size=cell_size)
     out = plain
     for sign in (1, -1):

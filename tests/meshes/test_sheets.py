@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 import meshes
+from meshes.seam_directors import cone_axis
 from meshes.sheets import main_sheet, seams, sheet_of_cells
 from tests.meshes.measures import facing
-from tests.meshes.sewn import pocketed_trousers, with_collar, with_patch
+from tests.meshes.sewn import pocketed_trousers, tee, with_collar, with_patch
 
 TUBE = meshes.cylinder(0.15, 0.6, (24, 10), angle=2 * np.pi)
 
@@ -48,16 +49,51 @@ def test_a_collar_adds_no_opening():
     assert (main_sheet(sewn.points, sewn.cells) == (np.arange(len(sewn.cells)) < 240)).all()
 
 
-def test_what_stands_across_is_refused():
-    """A frill at right angles would need directors of its own."""
-    flat = meshes.rectangle(0.4, 0.4, (4, 4))
-    line = np.flatnonzero(np.abs(flat.points[:, 0] - 0.2) < 1e-9)
-    up = len(flat.points) + np.arange(len(line))
-    cells = np.stack([line[:-1], line[1:], up[1:], up[:-1]], axis=1)
-    points = np.concatenate([flat.points, flat.points[line] + [0, 0, 0.1]])
-    frill = meshes.Surface(points, np.concatenate([flat.cells, cells]), verify=False)
-    with pytest.raises(meshes.MeshError, match=r"at the seam .* stands \d+ degrees off.*lay what"):
-        meshes.orient(frill).replace(verify=True)
+@pytest.mark.parametrize("degrees", [20, 45, 90, 135, 160])
+def test_a_flap_at_any_angle(degrees):
+    """The director of the seam halves the angle between the sheets, whichever side they face."""
+    sewn, _, _ = tee(4, degrees)
+    seam = np.unique(np.concatenate([sewn.cells[:16].ravel()]))
+    seam = np.intersect1d(seam, sewn.cells[16:])
+    assert len(seam) == 5
+    lean = np.degrees(np.arccos(np.abs(sewn.directors[seam, 2])))
+    between = min(degrees, 180 - degrees)
+    assert lean == pytest.approx(0.5 * between, abs=1e-6)
+
+
+def test_axis_of_the_narrowest_cone():
+    """Against the least largest angle over many directions."""
+    random = np.random.default_rng(2)
+    tried = random.normal(size=(20000, 3))
+    tried /= np.linalg.norm(tried, axis=1)[:, None]
+    for count in (1, 2, 3, 6):
+        normals = random.normal(size=(count, 3)) + [0, 0, 2.0]
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        axis = cone_axis(normals, np.array([0, 0, 1.0]))
+        reached = (normals @ axis).min()
+        best = (tried @ normals.T).min(axis=1).max()
+        assert np.linalg.norm(axis) == pytest.approx(1.0)
+        assert best <= reached + 1e-12 < best + 0.03
+
+
+def test_too_many_directions_are_refused():
+    """Four sheets through one line, 45 degrees apart: none of all directions is near to all."""
+    fan = np.radians([0, 45, 90, 135])
+    wings = np.stack([np.cos(fan), 0 * fan, np.sin(fan)], axis=1)
+    tips = np.concatenate([wings, wings + [0, 1, 0], -wings, -wings + [0, 1, 0]])
+    points = np.concatenate([[[0, 0, 0], [0, 1, 0]], tips])
+    cells = [[0, 1, 6 + k, 2 + k] for k in range(4)] + [[0, 1, 14 + k, 10 + k] for k in range(4)]
+    star = meshes.Surface(points, cells, verify=False)
+    with pytest.raises(meshes.MeshError, match=r"at the seam .* stands \d+ degrees off .*lay what"):
+        meshes.orient(star).replace(verify=True)
+
+
+def test_a_facing_folded_over_a_border_is_named():
+    middle = TUBE.points[TUBE.cells].mean(axis=1)
+    chosen = (middle[:, 0] > 0.1) & (middle[:, 2] < middle[:, 2].min() + 0.2)
+    facing_of_hem = with_patch(TUBE, chosen)
+    with pytest.raises(meshes.MeshError, match="folded back at a border that both have: join it"):
+        meshes.orient(facing_of_hem, majority=True).replace(verify=True)
 
 
 def test_trousers_with_pockets_from_a_file(tmp_path):

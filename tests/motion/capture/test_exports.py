@@ -213,7 +213,7 @@ def skeleton(names=("Hips", "{side}UpLeg", "{side}Leg", "{side}Foot", "{side}Toe
     turn = 10 * np.sin(2 * np.pi * t)
     place = np.stack([0 * t, 95 + 2 * np.cos(4 * np.pi * t), 120 * t], axis=1)
     values += [*place.T, 0 * t, 0 * t, turn]
-    pelvis = Rotation.from_euler("Y", turn, degrees=True)
+    pelvis = Rotation.from_euler("Y", turn[:, None], degrees=True)
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
         phase = 2 * np.pi * t + (np.pi if sign > 0 else 0.0)
         swing, flex = -20 * np.sin(phase), 20 * (1 + np.cos(phase))
@@ -225,8 +225,8 @@ def skeleton(names=("Hips", "{side}UpLeg", "{side}Leg", "{side}Foot", "{side}Toe
         lines += ["End Site", "{", "OFFSET 0 0 5", "}"] + ["}"] * 4
         zero = 0 * t
         values += [zero, swing, zero, zero, flex, zero, zero, zero, zero, zero, zero, zero]
-        thigh = pelvis * Rotation.from_euler("X", swing, degrees=True)
-        shank = thigh * Rotation.from_euler("X", flex, degrees=True)
+        thigh = pelvis * Rotation.from_euler("X", swing[:, None], degrees=True)
+        shank = thigh * Rotation.from_euler("X", flex[:, None], degrees=True)
         h = place + pelvis.apply([9 * sign, -5, 0])
         k = h + thigh.apply([0, -100 * THIGH, 0])
         truth[side.lower()] = {"hip": h, "knee": k, "ankle": k + shank.apply([0, -100 * SHANK, 0])}
