@@ -13,6 +13,7 @@ from itertools import chain
 import numpy as np
 
 from .joint_centres import apart, lies_at, point, references
+from .label_meanings import labels_in_use
 from .markers import Markers
 from .segment_map import SegmentMap, plain
 
@@ -111,12 +112,7 @@ def try_map(
     -------
     FittedMap; dict, segment -> the first marker that it lacks
     """
-    by_plain = {plain(name): name for name in reversed(list(names)) if name not in without}
-    labels = {}
-    for key, spellings in map.markers.items():
-        found = [by_plain[plain(s)] for s in spellings if plain(s) in by_plain]
-        if found:
-            labels[key] = found[0]
+    labels = labels_in_use(map, [name for name in names if name not in without])
     rules, used, lacking = {}, {}, {}
 
     def ready(name):

@@ -14,6 +14,7 @@ import numpy as np
 
 from shellform.errors import Mendable
 
+from .label_meanings import kind_of, labels_in_use, other_meaning
 from .map_fitting import closest, try_map
 from .markers import Markers
 from .segment_map import SHIPPED, SegmentMap, plain, segment_map, vocabulary
@@ -45,14 +46,11 @@ def belonging(map: SegmentMap, names: Collection[str]) -> list[str]:
 
     `RKNE` and `RKnee` in one file are not both the lateral marker of the knee.
     """
-    words, there = vocabulary(map), {plain(name) for name in names}
-    used = {}
-    for key, spellings in map.markers.items():
-        used[key] = next((plain(s) for s in spellings if plain(s) in there), "")
+    words, used = vocabulary(map), labels_in_use(map, names)
     out = []
     for name in names:
         key = words.get(plain(name))
-        if key is not None and (not key or used[key] == plain(name)):
+        if key is not None and (not key or used[key] == name):
             out.append(name)
     return out
 
@@ -128,31 +126,14 @@ def set_notes(map: SegmentMap, names: Iterable[str]) -> list[str]:
         notes.append(f"{len(known)} of {len(names)} labels belong to the set, not {shown}")
     else:
         notes.append(f"all {len(names)} labels belong to the set")
-    for centre, here, there in (
-        (False, "markers", "joint centres"),
-        (True, "joint centres", "markers"),
-    ):
-        odd, where = [], set()
-        for name in known:
-            key = words[plain(name)]
-            if not key.endswith(_JOINTS[centre]):
-                continue
-            for other in SHIPPED:
-                twin = vocabulary(segment_map(other)).get(plain(name), "")
-                if twin.endswith(_JOINTS[not centre]) and name not in odd:
-                    odd.append(name)
-                    where.add(other)
-        if odd:
-            shown = ", ".join(odd)
-            notes.append(f"{shown} taken for {here}, not the {there} they are in other sets")
+    told: dict[tuple[str, str], list[str]] = {}
+    for name in known:
+        marker = words[plain(name)]
+        if there := other_meaning(name, marker):
+            told.setdefault((kind_of(marker), there), []).append(name)
+    for (here, there), odd in told.items():
+        notes.append(f"{', '.join(odd)} taken for {here}, not the {there} they are in other sets")
     return notes
-
-
-# how names of places end: on the skin, and at the centre of the joint
-_JOINTS = {
-    False: ("_knee_lateral", "_ankle_lateral"),
-    True: ("_hip", "_knee", "_ankle"),
-}
 
 
 def regions(names: Collection[str], map: SegmentMap | None = None) -> dict[str, str]:
@@ -204,5 +185,6 @@ def _hips_of_skin(map, markers):
         return False
     (right, knee, _), (left, _, _) = ends
     right, knee, left = (markers.track(fitted.labels[name]) for name in (right, knee, left))
-    apart = np.linalg.norm(right - left, axis=1) / np.linalg.norm(right - knee, axis=1)
+    with np.errstate(all="ignore"):  # hip and knee in one place are refused later
+        apart = np.linalg.norm(right - left, axis=1) / np.linalg.norm(right - knee, axis=1)
     return bool(np.isfinite(apart).any() and np.nanmedian(apart) > HIPS_APART)

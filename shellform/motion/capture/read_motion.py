@@ -21,6 +21,7 @@ from shellform.motion.recording import SIDES, Recording
 from .formats import read_table
 from .gait_events import facts
 from .gaps_and_spikes import filled, low_pass, rigid_legs, without_spikes
+from .label_meanings import require_one_meaning
 from .marker_sets import choose_map, regions, require_set, set_notes
 from .markers import Markers, to_markers
 from .noise import noise_note
@@ -176,6 +177,7 @@ def recording(
         map = segment_map(map)
     use = _window(markers, window)
     fitted, frames, said = seen(map, markers, use, max_gap)
+    require_one_meaning(map, fitted.labels, markers)
     notes = [*markers.notes, *set_notes(map, markers.names), *fitted.notes, *said]
     times = markers.times[frames]
     tracks = {name: markers.track(label)[frames].copy() for name, label in fitted.labels.items()}
