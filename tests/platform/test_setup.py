@@ -88,6 +88,12 @@ def test_an_active_environment_that_will_not_do_is_named(pick):
     assert "complex128" in pick("debian 12", "active", python3=COMPLEX)
 
 
+def test_what_apt_get_has_installed_is_apt_s_unless_asked_for(pick):
+    python = HAS_DOLFINX.replace("own", "system")
+    assert pick("debian 12", python3=python)[0] == "apt"
+    assert pick("debian 12", "active", python3=python)[0] == "active"
+
+
 @pytest.fixture
 def environment(tmp_path):
     """Python that finds a dolfinx of a version and of a type of numbers, other modules beside."""
@@ -160,6 +166,19 @@ def test_a_venv_on_top_is_told_where_mpi_is(finder, tmp_path):
 @pytest.mark.parametrize("system", ["debian 11", "ubuntu 22.04", "fedora"])
 def test_the_wheel_where_the_system_has_none(pick, system):
     assert pick(system, **{"python3.12": NEW})[:2] == ("wheel", "python3.12")
+
+
+@pytest.mark.parametrize(
+    ("version", "serves"),
+    [((3, 11, 9), False), ((3, 12, 0), True), ((3, 13, 1), False), ((3, 13, 2), True)]
+    + [((3, 14, 0), True), ((3, 15, 0), False)],
+)
+def test_pythons_that_the_wheel_runs_on(version, serves, pick):
+    """3.13.0 and 3.13.1 never free a mesh."""
+    pretend = f"import sys; sys.version_info = {version}; exec(sys.argv[1])"
+    python = f'[ "$1" = -c ] && exec {sys.executable} -c "{pretend}" "$2"'
+    picked = pick("fedora", "wheel", **{"python3.13": python})
+    assert picked[0] == "wheel" if serves else picked.startswith("setup: WITH=wheel is not")
 
 
 @pytest.mark.parametrize(
