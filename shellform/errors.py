@@ -39,9 +39,12 @@ class CompilerError(RuntimeError):
 
     Examples
     --------
-    >>> raise CompilerError("no C compiler: 'gcc' is not found")
-    Traceback (most recent call last):
-    CompilerError: no C compiler: 'gcc' is not found
+    >>> import shellform as sf
+    >>> try:
+    ...     raise sf.CompilerError("no C compiler: 'gcc' is not found")
+    ... except sf.CompilerError as error:
+    ...     print(error)
+    no C compiler: 'gcc' is not found
     """
 
 

@@ -57,6 +57,12 @@ def compiler(environment: Mapping[str, str] = os.environ) -> list[str]:
     )
 
 
+def check_headers() -> None:
+    """Raise CompilerError if Python's headers are missing, which forms are compiled with."""
+    if not Path(sysconfig.get_path("include"), "Python.h").is_file():
+        raise CompilerError("no Python.h, which forms are compiled with: apt install python3-dev")
+
+
 def check_room(folder: Path, mend: str) -> None:
     """Raise CompilerError if a folder has no room for what a compiler writes.
 
@@ -87,6 +93,7 @@ def failures_as_sentences(folder: Path) -> Iterator[None]:
         if not ours and not any(word in str(error) for word in ("JIT", "just-in-time")):
             raise  # of a mesh, say
         compiler()
+        check_headers()
         check_room(folder, "free some there, or name another folder in XDG_CACHE_HOME")
         check_room(Path(tempfile.gettempdir()), "free some there, or name another folder in TMPDIR")
         raise CompilerError(
