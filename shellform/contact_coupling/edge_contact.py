@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Edges of cells that meet segments thin enough to pass between nodes, as rods and blades.
+"""Edges and cells that meet segments thin enough to pass between nodes: rods, blades, tips.
 
 Explicit steps only. Which segments these are: contact/solver/thin_segments.py.
 
-After the contact of nodes: every edge near such a segment meets it at its nearest point
+After the contact of nodes: every edge and cell near such a segment meets it at its nearest point
 (contact/solver/cell_pairs.py), all edges at once (contact/solver/pair_impulses.py). Nothing is kept
 from step to step but the list of what is near. An edge of two ranks' cells is met by the rank that
 has the first of them.
