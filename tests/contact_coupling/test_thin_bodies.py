@@ -49,7 +49,7 @@ def test_sharp_edges_hold(shape, angle):
 @pytest.mark.parametrize("speed", [1.0, 3.0, 10.0])
 @pytest.mark.parametrize("angle", [0.0, 0.3])
 def test_a_rod_that_swings_into_the_sheet(speed, angle):
-    """Upwards through 0.2 m, 2 mm thick, 7 mm and more a step: cloth is taken along."""
+    """Upwards through 0.2 m, 2 mm thick, up to its thickness a step: cloth is taken along."""
     stepper = strip(shift=0.013, height=0.0)
     stepper.recheck, (e1, e2, e3) = 10**9, axes_of(angle)
     stepper.dt = 2e-4
