@@ -53,6 +53,7 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 # place_m = [0, 0, -0.3]    # then moved: where its shape does not tell
 # weld_m = 0.0              # joins seams that miss each other by less
 # midsurface = false        # of cloth exported with its thickness
+# max_elongation = 0.18     # of the dressed cloth; beyond it the run ends
 # measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
 # wrinkles = "auto"         # those smaller than a cell: "relaxed", or "resolved" by cells alone
 
