@@ -45,10 +45,11 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 
 [garment]
 # size = "large-regular"
-# file = "trousers.obj"     # or .glb, .ply, .stl, .vtu, .vtk, .msh
+# file = "trousers.obj"     # or .glb, .gltf, .ply, .stl, .off, .vtu, .vtk, .msh
 # unit = "m"                # of its coordinates: m, cm, mm or in
-# waist = "waist"           # its edge of that name; where the format has no names (.obj, .ply,
-                            # .stl, .glb) found by its shape; or "highest"
+# waist = "waist"           # its edge of that name (.msh, .vtu, .vtk carry names); where there are
+                            # none (.obj, .ply, .stl, .glb, .off) found by its shape, or "highest";
+                            # to name one: surface.with_edges(waist=...), meshes.save to a .vtu file
 # turn_deg = [0, 0, 90]     # about x, y, z, and
 # place_m = [0, 0, -0.3]    # then moved: where its shape does not tell
 # weld_m = 0.0              # joins seams that miss each other by less
