@@ -9,6 +9,7 @@ from contact.body.segments import Body, Fixed, Segment
 from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
+from shellform.dynamics.mass_spring import Particles, hand_over
 from shellform.fem.director import rotation_matrix
 from shellform.results.ledger import Ledger
 from tests.meshes.sewn import with_patch
@@ -53,3 +54,26 @@ def test_weight_is_carried_from_either_side(over, turned, wrinkles):
     assert surface.area > 0.3
     assert np.abs(force - [0, 0, weight]).max() < 2e-3 * weight
     assert row["momentum_residual"] < 1e-10 * weight
+
+
+@pytest.mark.serial
+def test_particles_hand_over_to_a_sheet_that_wrinkles():
+    """Their contact knows no pressed cells: the sheet's are in the open, its energy a number."""
+    shell = Shell(patched(True), Fabric.isotropic(**CLOTH), wrinkles="relaxed")
+    shell.loads.gravity([0.0, 0.0, -G])
+    limbs = [
+        Segment(side, (0.25, 0.3, 0.25), Fixed((x, 0.0, -0.25)))
+        for side, x in (("a", -0.1), ("b", 0.1))
+    ]
+    particles, stepper = Particles(shell, 0.8), Newmark(shell, 0.8)
+    for one in (particles, stepper):
+        one.add(Contact(Body(limbs), 0.3, flesh_stiffness=2e5))
+    shell.claim(particles)
+    particles.advance(0.1)
+    assert particles.contact.active > 0
+    hand_over(particles, stepper)
+    assert shell.wrinkles is not None and (shell.wrinkles.beds == 0.0).all()
+    energy = sum(stepper.strain_energy().values())
+    assert 0.0 < energy < 1.0
+    stepper.advance(stepper.time + 0.02)
+    assert np.isfinite(stepper.owned).all()

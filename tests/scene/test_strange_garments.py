@@ -6,9 +6,10 @@ import pytest
 
 import meshes
 from shellform.scene.garment import garment_of, rotation_about
-from shellform.scene.parts import Garment
+from shellform.scene.parts import Garment, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of
+from shellform.simulation.check import check
 from tests.meshes.strangers import FAULTS, FORMATS, KINDS
 
 pytestmark = pytest.mark.serial
@@ -125,3 +126,17 @@ def test_what_hangs_on_the_shoulders_is_refused(kind, put_on):
         ValueError, match="which hangs on the shoulders: garments hang at the waist"
     ):
         put_on(kind)
+
+
+def test_cells_that_no_springs_stand_for_are_refused_by_check(tmp_path):
+    """Before anything is dressed."""
+    plain = meshes.skirt(waist=1.0, hip=1.2, hem=1.5, cell_size=0.04)
+    slender = plain.points.copy()
+    heights = np.unique(np.round(plain.points[:, 2], 6))
+    row = np.isclose(slender[:, 2], heights[3], atol=1e-5)
+    slender[row, 2] = heights[2] + 0.002
+    path = tmp_path / "slender.obj"
+    path.write_bytes(FORMATS[".obj"](slender, plain.cells.tolist()))
+    scene = Scene(garment=Garment(file=str(path)), steps=Steps(dressing="particles"))
+    with pytest.raises(ValueError, match=r"cell \d+ of slender.obj is too slender"):
+        check(scene)
