@@ -13,7 +13,7 @@ import warnings
 import numpy as np
 
 from .geometry import area_vectors, cell_areas, cell_centres, nodal_normals
-from .repair import boundary_loops, clean
+from .repair import boundary_loops, clean, orient
 from .surface import Surface
 from .topology import neighbours
 from .validity import MeshError
@@ -110,7 +110,7 @@ def middle_surface(surface: Surface) -> Surface:
     middle = surface.replace(
         points=points, cells=cells, edges={}, panels={}, warp=warp, verify=False
     )
-    return clean(middle).replace(verify=True)
+    return orient(clean(middle), majority=True).replace(verify=True)
 
 
 def _sheets(cells: np.ndarray, faced: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ Nothing is guessed about units here: a benchmark may well be ten metres or ten m
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,6 +38,18 @@ class MeshError(ValueError):
     """
 
 
+def with_hint(error: ValueError, notes: Iterable[str]) -> ValueError:
+    """The error with the first of the notes that says what would mend its likely cause.
+
+    Of points that are not joined come borders within the garment, pieces and one-sided surfaces; of
+    thick sheets come garments without an opening.
+    """
+    for note in notes:
+        if "weld_m" in note or "midsurface = true" in note:
+            return type(error)(f"{error} First, {note.partition(': ')[2]}")
+    return error
+
+
 def check(surface: Surface) -> None:
     """Raise MeshError for the first fault of a Surface; warn about coincident points.
 
@@ -47,10 +60,11 @@ def check(surface: Surface) -> None:
     _check_unused(points, cells, source)
     _check_shapes(points, cells, source)
     check_twins(cells, source)
+    _check_names(surface)
+    # before what they may be the cause of
+    _warn_coincident(surface)
     _check_sides(cells, source)
     _check_directions(surface)
-    _check_names(surface)
-    _warn_coincident(surface)
 
 
 def check_arrays(points: np.ndarray, cells: np.ndarray, source: str) -> None:

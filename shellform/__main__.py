@@ -46,14 +46,16 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 
 [garment]
 # size = "large-regular"
-# file = "trousers.obj"     # or .glb, .ply, .stl, .vtu, .vtk, .msh
+# file = "trousers.obj"     # or .glb, .gltf, .ply, .stl, .off, .vtu, .vtk, .msh
 # unit = "m"                # of its coordinates: m, cm, mm or in
-# waist = "waist"           # its edge of that name; where the format has no names (.obj, .ply,
-                            # .stl, .glb) found by its shape; or "highest"
+# waist = "waist"           # its edge of that name (.msh, .vtu, .vtk carry names); where there are
+                            # none (.obj, .ply, .stl, .glb, .off) found by its shape, or "highest";
+                            # to name one: surface.with_edges(waist=...), meshes.save to a .vtu file
 # turn_deg = [0, 0, 90]     # about x, y, z, and
 # place_m = [0, 0, -0.3]    # then moved: where its shape does not tell
 # weld_m = 0.0              # joins seams that miss each other by less
 # midsurface = false        # of cloth exported with its thickness
+# max_elongation = 0.18     # of the dressed cloth; beyond it the run ends
 # measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
 # wrinkles = "auto"         # those smaller than a cell: "relaxed", or "resolved" by cells alone
 

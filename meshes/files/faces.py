@@ -21,6 +21,7 @@ class Choice(UserWarning):
 
 
 MOST_CORNERS = 200  # of a face that is cut; a larger one is a lid, or no garment's
+_STRAIGHT = 0.02  # sine of a corner that is none: a point put into a side
 _NO_AREA = 1e-10  # of the square of the longest side
 
 
@@ -216,13 +217,16 @@ def cut_polygon(corners: np.ndarray, quads: bool, name: str = "face") -> list[li
         ear = [rest[(start + j) % len(rest)] for j in range(size)]
         parts.append(ear)
         rest = [corner for corner in rest if corner not in ear[1:-1]]
-    if len(rest) == 4 and _quality(flat[rest]) <= 0.0:
-        best = max(_ears(flat, rest, 3), default=None)
-        if best is None:
+    if len(rest) == 4 and _quality(flat[rest]) <= _STRAIGHT:
+        halves = [(rest[k:] + rest[:k])[:3] for k in range(2)]
+        others = [(rest[k + 2 :] + rest[: k + 2])[:3] for k in range(2)]
+        # the cut that leaves the better of the worse halves, so no sliver at a straight corner
+        worse = [min(_quality(flat[a]), _quality(flat[b])) for a, b in zip(halves, others)]
+        best_half = int(np.argmax(worse))
+        if worse[best_half] <= 0.0:
             raise MeshError(f"{name} crosses itself, mesh this place again.")
-        ear = [rest[(best[1] + j) % 4] for j in range(3)]
-        parts.append(ear)
-        rest = [corner for corner in rest if corner != ear[1]]
+        parts.append(halves[best_half])
+        rest = others[best_half]
     return parts + [rest]
 
 
@@ -244,7 +248,7 @@ def _ears(flat: np.ndarray, rest: list[int], width: int) -> Iterable[tuple[float
     for start in range(len(rest)):
         ear = [rest[(start + j) % len(rest)] for j in range(width)]
         quality = _quality(flat[ear])
-        if quality <= 1e-6:
+        if quality <= (1e-6 if width == 3 else _STRAIGHT):
             continue
         others = flat[[corner for corner in rest if corner not in ear]]
         sides = np.roll(flat[ear], -1, axis=0) - flat[ear]

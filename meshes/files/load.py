@@ -1,4 +1,4 @@
-"""Surfaces from files and into files: .msh, .vtu, .vtk, .obj, .stl, .ply, and from .glb and .gltf.
+"""Surfaces from files, and into some of them: of mesh generators and of drawing programs.
 
 A file may mix cells, repeat points, face both ways or be in millimetres; what leaves `load` is one
 checked Surface in m. The names of edges and panels are gmsh's physical groups in .msh files, and
@@ -21,7 +21,7 @@ from meshes.repair import boundary_loops, clean, orient
 from meshes.subdivide import carry, split_blocks, to_triangles
 from meshes.surface import Surface
 from meshes.topology import segments_of_line
-from meshes.validity import MeshError, check_indices
+from meshes.validity import MeshError, check_indices, with_hint
 
 from .faces import Choice, drop_twins, tidy_faces
 from .groups import drop_repeats, read_groups, with_groups
@@ -75,7 +75,10 @@ def load(
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         warnings.simplefilter("ignore", ResourceWarning)  # files that meshio leaves open
-        surface = _surface(Path(path), unit, quads, weld, midsurface)
+        try:
+            surface = _surface(Path(path), unit, quads, weld, midsurface)
+        except MeshError as error:
+            raise with_hint(error, [str(warning.message) for warning in found]) from None
     notes = dict.fromkeys((*surface.notes, *(str(warning.message) for warning in found)))
     with warnings.catch_warnings():
         # what the checks have warned of already

@@ -18,6 +18,7 @@ from meshes.validity import MeshError
 from .gltf import read_gltf
 from .mesh_data import MeshData
 from .obj import read_obj
+from .off import read_off
 from .ply import read_ply
 from .stl import read_stl
 
@@ -25,13 +26,14 @@ if TYPE_CHECKING:
     import meshio
 
 WRITTEN = (".msh", ".vtu", ".vtk", ".obj", ".stl", ".ply")
-FORMATS = (*WRITTEN, ".glb", ".gltf")
+FORMATS = (*WRITTEN, ".glb", ".gltf", ".off")
 _READERS = {
     ".obj": read_obj,
     ".ply": read_ply,
     ".stl": read_stl,
     ".glb": read_gltf,
     ".gltf": read_gltf,
+    ".off": read_off,
 }
 
 

@@ -34,6 +34,24 @@ def borders(blocks: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     return edges[rows], owner[rows]
 
 
+def sides_of_borders(blocks: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Sides (k, 2) with both ends on a border, and the numbers of the cells at each.
+
+    Among them are sides of two cells and more, into which a point of a border may belong: where a
+    pocket is sewn on, the sheet behind it closes the gap that a T-junction leaves.
+    """
+    edges = np.concatenate([directed_edges(block)[:, :2] for block in blocks])
+    sizes = [len(directed_edges(b)) // len(b) for b in blocks]
+    owner = np.repeat(np.arange(sum(map(len, blocks))), np.repeat(sizes, list(map(len, blocks))))
+    first, number, count = unique_edges(edges, int(edges.max()) + 1)
+    ends = np.unique(edges[first[count == 1]])
+    wanted = np.flatnonzero(np.isin(edges[first], ends).all(axis=1))
+    order = np.argsort(number, kind="stable")
+    starts = np.cumsum(count) - count
+    cells = [owner[order[starts[k] : starts[k] + count[k]]] for k in wanted]
+    return edges[first[wanted]], cells
+
+
 def near_sides(
     points: np.ndarray, sides: np.ndarray, reach: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -74,7 +92,7 @@ def near_sides(
 
 def tell_near_misses(points: np.ndarray, blocks: list[np.ndarray], name: str) -> None:
     """Warn where a border nearly meets another, naming the first place and the mend."""
-    sides, _ = borders(blocks)
+    sides, _ = sides_of_borders(blocks)
     if not len(sides):
         return
     lengths = np.linalg.norm(np.diff(points[sides], axis=1)[:, 0], axis=1)
@@ -134,21 +152,19 @@ def weld_borders(
     merged = [np.array([face for face in faces if len(face) == k]) for k in (3, 4)]
     merged = [block for block in merged if len(block)]
     rows = [k for width in (3, 4) for k, face in enumerate(faces) if len(face) == width]
-    sides, owner = borders(merged)
+    sides, owners = sides_of_borders(merged)
     if len(sides):
         lengths = np.linalg.norm(np.diff(points[sides], axis=1)[:, 0], axis=1)
         meetings = near_sides(points, sides, np.full(len(sides), distance))
         for point, side, place, _ in sorted(zip(*(m.tolist() for m in meetings)), key=_by_side):
-            face = faces[rows[owner[side]]]
-            if point in face or not 0.0 < place < 1.0 or lengths[side] == 0.0:
+            at = [faces[rows[cell]] for cell in owners[side]]
+            if any(point in face for face in at) or not 0.0 < place < 1.0 or not lengths[side]:
                 continue
             a, b = sides[side].tolist()
-            # behind those put there before, which lie nearer to the first end
-            behind = face.index(a) + 1
-            while behind < len(face) and face[behind] != b:
-                behind += 1
-            face.insert(behind, point)
-            inside.setdefault((a, b), []).append(point)
+            before = inside.setdefault((a, b), [])
+            for face in at:
+                _put_in(face, a, b, point, before)
+            before.append(point)
     put = sum(len(line) for line in inside.values())
     warnings.warn(
         f"{name}: weld joined {moved} points of the border to others"
@@ -167,6 +183,16 @@ def weld_borders(
             points, blocks, np.concatenate([origins[group] for group in groups]), name
         )
     return blocks, origins, label, inside
+
+
+def _put_in(face: list[int], a: int, b: int, point: int, before: list[int]) -> None:
+    """Put a point into the side a, b of a face, between those put there `before` and b."""
+    after = face[(face.index(a) + 1) % len(face)]
+    if after == b or after in before[:1]:
+        last = before[-1] if before else a
+        face.insert(face.index(last) + 1, point)
+    else:
+        face.insert(face.index(b) + 1, point)
 
 
 def _by_side(meeting):

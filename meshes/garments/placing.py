@@ -14,7 +14,7 @@ from meshes.repair import boundary_loops
 from meshes.surface import Surface
 from meshes.validity import MeshError
 
-from .ring import polygon_length
+from .ring import names_of, polygon_length
 
 _OPENING = 0.2  # of the largest girth; smaller loops are buttonholes
 _UNLIKE = 1.05  # ratio of two girths that tells a waist from a hem
@@ -47,7 +47,7 @@ def waist_by_shape(surface: Surface) -> np.ndarray:
         # the hems are the two that are most alike
         unlike = [abs(np.log(girths[k - 2] / girths[k - 1])) for k in range(3)]
         return loops[int(np.argmin(unlike))]
-    known = ", ".join(f"'{name}'" for name in surface.edges) or "none"
+    known = names_of(surface.edges)
     shirt = ", as a shirt has, which hangs on the shoulders" if len(loops) > 3 else ""
     raise MeshError(
         f"{surface.source}: there is no edge 'waist' (edges: {known}), and its {len(loops)} "

@@ -17,7 +17,7 @@ from meshes.surface import Locator, Surface
 from meshes.topology import corner_count, directed_edges, segments_of_line, unique_edges
 from meshes.validity import MeshError
 
-from .ring import polygon_length
+from .ring import names_of, polygon_length
 
 _WAISTS = (0.3, 3.0)  # m; girths that somebody wears
 _USUAL_WAIST = 0.9
@@ -51,7 +51,7 @@ def prepare_garment(surface: Surface, waist: str | Locator | None = None) -> Sur
         raise MeshError(
             f"{source}: the garment is in {piece.max() + 1} pieces (cells 0 and "
             f"{int(np.argmax(piece > 0))} are not joined), join them with "
-            "meshes.merge_duplicates, or dress them one by one."
+            "meshes.merge_duplicates or weld_m under [garment], or dress them one by one."
         )
     loops = boundary_loops(surface)
     if not loops:
@@ -141,7 +141,7 @@ def pieces(cells: np.ndarray) -> np.ndarray:
 def _waist_place(surface, loops, waist):
     """Place of the waist among the boundary loops."""
     points, edges, source = surface.points, surface.edges, surface.source
-    known = ", ".join(f"'{name}'" for name in edges) or "none"
+    known = names_of(edges)
     if waist == "highest" and "highest" not in edges:
         heights = np.array([points[loop, 2].mean() for loop in loops])
         near = np.flatnonzero(heights >= heights.max() - 0.05 * np.ptp(points[:, 2]))
@@ -171,10 +171,10 @@ def _waist_place(surface, loops, waist):
     for place, loop in enumerate(loops):
         if np.array_equal(np.sort(loop), chosen):
             return place
+    counts = [str(len(loop)) for loop in loops[:6]] + ["..."] * (len(loops) > 6)
     raise MeshError(
         f"{source}: the edge '{name}' ({len(chosen)} points) is not one closed boundary loop (they "
-        f"have {', '.join(str(len(loop)) for loop in loops)} points), name the whole loop or give "
-        "waist='highest'."
+        f"have {', '.join(counts)} points), name the whole loop or give waist='highest'."
     )
 
 

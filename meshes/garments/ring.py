@@ -7,7 +7,7 @@ therefore an ellipse scaled until its polygon, not its curve, has the girth.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -31,6 +31,13 @@ def count_cells(length: float, cell_size: float, least: int = 1) -> int:
 def polygon_length(points: np.ndarray) -> float:
     """Sum of the chords of a line (n, 3) in m."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def names_of(edges: Iterable[str], most: int = 6) -> str:
+    """Names of edges for a sentence, the first of them if they are many; 'none' without any."""
+    names = [f"'{name}'" for name in edges]
+    more = [f"and {len(names) - most} more"] if len(names) > most else []
+    return ", ".join(names[:most] + more) or "none"
 
 
 def spread(curve: Curve, count: int) -> np.ndarray:

@@ -278,7 +278,9 @@ class ExplicitContact(RunningContact):
         if self.inner is not None:
             self.inner.restore(touched["inner"])
         if self.pressed is not None:
-            self.pressed.restore(self.stepper, touched["pressed"])
+            # None of particles, whose springs know no wrinkles below their cells
+            beds = touched["pressed"]
+            self.pressed.restore(self.stepper, 0.0 if beds is None else beds)
 
     def state(self) -> Any:
         """What is touched and what the window holds, for `restore` (copies)."""

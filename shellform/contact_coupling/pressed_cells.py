@@ -46,8 +46,8 @@ class PressedCells:
             return 0.0
         return self._set(stepper, beds)
 
-    def restore(self, stepper: Any, beds: np.ndarray) -> None:
-        """Go back to an earlier state of `beds`; all ranks call."""
+    def restore(self, stepper: Any, beds: np.ndarray | float) -> None:
+        """Go back to an earlier state of `beds`, or a number for all; all ranks call."""
         self._set(stepper, beds)
 
     def _set(self, stepper, beds):

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 import meshes
+from meshes.garments.ring import names_of
+from meshes.validity import with_hint
 from shellform.fem.wrinkles import folds_resolved
 from shellform.material.sheet import Sheet
 from shellform.motion.recording import SIDES
@@ -43,7 +45,10 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     cosine, sine = heading[:2]
     turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1.0]])
     surface = surface.transform(turn, (*middle[:2], middle[2] - height))
-    check_fit(surface, wearer)
+    try:
+        check_fit(surface, wearer)
+    except ValueError as error:
+        raise with_hint(error, surface.notes) from None
     return surface
 
 
@@ -57,25 +62,11 @@ def from_file(garment: Garment, file: str | Path, waist_height: float) -> meshes
         # they are among the notes, which `check` and `run` print
         warnings.simplefilter("ignore")
         surface = meshes.load(file, garment.unit, weld=garment.weld, midsurface=garment.midsurface)
-    waist = garment.waist
-    found: list[str] = []
-    if garment.turn is not None:
-        x, y, z = (rotation_about(axis, a) for axis, a in enumerate(garment.turn))
-        surface = surface.transform(rotation=z @ y @ x)
-    else:
-        loop = waist_loop(surface, waist)
-        if loop is not None:
-            turn, found = meshes.upright(surface, loop)
-            surface = surface.transform(rotation=turn)
-    if waist == "waist" and waist not in surface.edges:
-        loop = meshes.waist_by_shape(surface)
-        girth = np.linalg.norm(
-            surface.points[loop] - surface.points[np.roll(loop, 1)], axis=1
-        ).sum()
-        found.append(f"the opening of {girth:.2f} m is the waist")
-        surface = surface.with_edges(waist=np.stack([loop, np.roll(loop, -1)], axis=1))
-        waist = "waist"
-    surface = meshes.prepare_garment(surface, waist=waist)
+    try:
+        surface, found = _standing(surface, garment)
+    except meshes.MeshError as error:
+        # notes of points not joined say why openings are not those of a garment
+        raise with_hint(error, surface.notes) from None
     if garment.place is not None:
         surface = surface.transform(translation=garment.place)
     elif garment.turn is None:
@@ -100,6 +91,29 @@ def from_file(garment: Garment, file: str | Path, waist_height: float) -> meshes
     return surface.replace(notes=(*surface.notes, note))
 
 
+def _standing(surface: meshes.Surface, garment: Garment) -> tuple[meshes.Surface, list[str]]:
+    """The garment upright, with its waist and hems, and what was found of its shape, in words."""
+    waist = garment.waist
+    found: list[str] = []
+    if garment.turn is not None:
+        x, y, z = (rotation_about(axis, a) for axis, a in enumerate(garment.turn))
+        surface = surface.transform(rotation=z @ y @ x)
+    else:
+        loop = waist_loop(surface, waist)
+        if loop is not None:
+            turn, found = meshes.upright(surface, loop)
+            surface = surface.transform(rotation=turn)
+    if waist == "waist" and waist not in surface.edges:
+        loop = meshes.waist_by_shape(surface)
+        girth = np.linalg.norm(
+            surface.points[loop] - surface.points[np.roll(loop, 1)], axis=1
+        ).sum()
+        found.append(f"the opening of {girth:.2f} m is the waist")
+        surface = surface.with_edges(waist=np.stack([loop, np.roll(loop, -1)], axis=1))
+        waist = "waist"
+    return meshes.prepare_garment(surface, waist=waist), found
+
+
 def waist_loop(surface: meshes.Surface, waist: str) -> np.ndarray | None:
     """Points (k,) of the loop called `waist`, or of the one that is the waist by its shape.
 
@@ -113,7 +127,7 @@ def waist_loop(surface: meshes.Surface, waist: str) -> np.ndarray | None:
         except meshes.MeshError:
             return None
     if waist != "waist":
-        known = ", ".join(f"'{name}'" for name in surface.edges) or "none"
+        known = names_of(surface.edges)
         raise ValueError(
             f"{surface.source}: there is no edge '{waist}' (edges: {known}), name the waist of the "
             "garment, give waist='highest', or leave garment.waist out"

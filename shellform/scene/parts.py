@@ -70,6 +70,7 @@ class Garment:
     distance within which its borders are joined [m]; midsurface : of a file with thick cloth;
     kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
     arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy;
+    max_elongation : of the dressed cloth, beyond which a run ends (0.18 for woven cloth);
     wrinkles : 'relaxed', those smaller than a cell take what compression they cannot bear,
     'resolved', cells alone fold, or 'auto', by the size of the cells.
 
@@ -92,6 +93,7 @@ class Garment:
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})
     cell_size: float | None = with_unit(None, "m")
+    max_elongation: float = 0.18
     wrinkles: str = "auto"
 
 

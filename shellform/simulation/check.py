@@ -30,7 +30,8 @@ def check(scene: Scene | str | Path, comm: MPI.Comm = MPI.COMM_WORLD) -> list[st
 
     Raises
     ------
-    as `Model` does for what is wrong with the scene
+    as `Model` does for what is wrong with the scene; ValueError for cells no springs stand for,
+    where the garment is dressed by particles
 
     Examples
     --------
@@ -41,6 +42,12 @@ def check(scene: Scene | str | Path, comm: MPI.Comm = MPI.COMM_WORLD) -> list[st
     """
     scene = as_scene(scene)
     model = Model(scene, comm)
+    if scene.steps.dressing == "particles":
+        # only here: springs have kernels of their own
+        from shellform.dynamics.springs import Springs
+
+        surface = model.surface
+        Springs(surface, surface.cells, surface.points, model.shell.fabric)
     return [
         scene.title,
         *motion_lines(model),

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Garments from files as strangers have them: turned, off their place, in other units, sewn."""
 
+import re
+
 import numpy as np
 import pytest
 
 import meshes
-from shellform.dressing.fit import BEARS, too_stretched
+from shellform.dressing.fit import stretch_warning
 from shellform.scene.fit import girth_at, waist_height
 from shellform.scene.garment import garment_of, rotation_about
 from shellform.scene.parts import Garment
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import read_scene
 from shellform.scene.wearer import wearer_of
-from tests.meshes.sewn import pocketed_trousers, with_collar, with_patch
+from tests.meshes.sewn import pocketed_trousers, with_patch
+from tests.meshes.strangers import polo
 
 Z90, Z180, Z30 = rotation_about(2, 90.0), rotation_about(2, 180.0), rotation_about(2, 30.0)
 Y_UP = np.array([[0.0, 1, 0], [0, 0, 1], [1, 0, 0]])  # left, up, front
@@ -109,47 +112,6 @@ def test_centimetres(tmp_path, wearer, trousers):
     assert worn(path, wearer, unit="cm").area > trousers["plain"].area
 
 
-def polo():
-    """A trunk with two sleeves, a collar and a placket: four openings."""
-    across = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    heights = np.linspace(0.9, 1.45, 12)
-    radii = np.interp(heights, [0.9, 1.3, 1.38, 1.45], [0.18, 0.18, 0.14, 0.07])
-    rings = [
-        np.stack([0.7 * r * np.cos(across), r * np.sin(across), 0 * across + z], axis=1)
-        for r, z in zip(radii, heights)
-    ]
-    points, cells = np.concatenate(rings), []
-    sleeves = {1: [], -1: []}
-    for row in range(11):
-        for k in range(24):
-            cell = [row * 24 + k, row * 24 + (k + 1) % 24, (row + 1) * 24 + (k + 1) % 24]
-            cell.append((row + 1) * 24 + k)
-            side = 1 if k in (5, 6) else -1 if k in (17, 18) else 0
-            if side and row in (6, 7):
-                sleeves[side].append(cell)
-            else:
-                cells.append(cell)
-    for side, holes in sleeves.items():
-        sides = [(c[j], c[(j + 1) % 4]) for c in holes for j in range(4)]
-        rim = [s for s in sides if s[::-1] not in sides]
-        for tail, head in rim:
-            cells.append([tail, head, 10_000 + head, 10_000 + tail])
-        for point in sorted({p for s in rim for p in s}):
-            number = len(points)
-            points = np.vstack([points, points[point] + [0.0, 0.2 * side, -0.05]])
-            cells = [[number if q == 10_000 + point else q for q in c] for c in cells]
-    plain = meshes.clean(meshes.Surface(points, cells, verify=False))
-    plain = meshes.orient(plain, majority=True)
-    plain = plain.replace(verify=True)
-    middle = plain.points[plain.cells].mean(axis=1)
-    front = (middle[:, 0] > 0.08) & (abs(middle[:, 1]) < 0.05) & (abs(middle[:, 2] - 1.2) < 0.1)
-    placket = with_patch(plain, front)
-    placket = meshes.orient(placket, majority=True).replace(verify=True)
-    near = np.round(placket.points[:, 2] - heights[10], 9) == 0
-    ring = np.flatnonzero(near)
-    return with_collar(placket, ring, 1)
-
-
 @pytest.mark.parametrize("waist", ["waist", "highest"])
 def test_a_polo_is_refused(waist, tmp_path, wearer):
     """It is read, collar, placket and all; but it hangs on the shoulders."""
@@ -184,5 +146,15 @@ def test_byte_order_mark(tmp_path):
     assert read_scene(tmp_path / "x.toml").title == "with a mark"
 
 
-def test_stretch_is_told():
-    assert "19 %" in too_stretched(0.19) and 0.05 < BEARS < 0.19
+def test_stretch_is_told_and_refused():
+    """Up to that of suiting no word, up to what the garment bears a warning, then an end."""
+    assert stretch_warning(0.05, 0.18, "x.obj") is None
+    assert re.match(
+        r"warning: x.obj: .* by 12 %.*larger size", stretch_warning(0.12, 0.18, "x.obj")
+    )
+    for stretch in (0.19, 0.84, np.nan):
+        with pytest.raises(
+            ValueError, match=r"x.obj: .* bears 18 % \(garment.max_elongation.*mall"
+        ):
+            stretch_warning(stretch, 0.18, "x.obj")
+    assert stretch_warning(0.3, 0.5, "knit.obj") and stretch_warning(0.02, 0.03, "x.obj") is None

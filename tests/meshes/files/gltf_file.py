@@ -11,7 +11,8 @@ import meshes
 
 def glb(surface):
     """Bytes of the file; the node carries half of the surface's place, turned and scaled."""
-    triangles = meshes.to_triangles(surface, "shortest")
+    cut = surface.cells.shape[1] == 3
+    triangles = surface if cut else meshes.to_triangles(surface, "shortest")
     # x forward, y left, z up is z, x, y there; the node turns by 90 degrees about y, doubles, moves
     there = triangles.points[triangles.cells].reshape(-1, 3)[:, [1, 2, 0]]
     turn = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])

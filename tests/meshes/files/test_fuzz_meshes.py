@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 import meshes
 from tests.meshes.files.gltf_file import glb
 from tests.meshes.files.test_drawing_files import obj, ply
+from tests.meshes.strangers import off_file
 
 pytestmark = pytest.mark.serial  # files are damaged the same way on every rank
 
@@ -42,6 +43,7 @@ def files(tmp_path_factory):
     """{name: contents} of a sound file of every format."""
     folder = tmp_path_factory.mktemp("sound")
     out = {"a.obj": obj(TUBE).encode(), "a.glb": glb(TUBE)}
+    out["a.off"] = off_file(TUBE.points, TUBE.cells.tolist())
     for order in ("ascii", "binary_little_endian", "binary_big_endian"):
         out[f"{order}.ply"] = ply(TUBE, order, "vertex_index")
     for kind in ("stl", "vtu", "vtk", "msh"):
@@ -80,7 +82,7 @@ def sentence(path, **options):
     return surface
 
 
-@given(place=st.integers(0, 8), damage=DAMAGE, weld=st.sampled_from([0.0, 0.0, 1e-3, 0.05]))
+@given(place=st.integers(0, 9), damage=DAMAGE, weld=st.sampled_from([0.0, 0.0, 1e-3, 0.05]))
 @settings(
     max_examples=EXAMPLES,
     derandomize=True,
@@ -97,7 +99,7 @@ def test_damaged_files(files, tmp_path, place, damage, weld):
     sentence(tmp_path / name, weld=weld)
 
 
-@pytest.mark.parametrize("place", range(9))
+@pytest.mark.parametrize("place", range(10))
 def test_half_a_file_is_not_taken_for_a_whole_one(files, tmp_path, place):
     """Refused, or told that points have no face."""
     name = sorted(files)[place]
