@@ -11,7 +11,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from tests.ranks import ROOT, outside
+from tests.ranks import PATIENCE, ROOT, outside
 
 PACKAGES = ("shellform", "contact", "meshes")
 pytestmark = pytest.mark.serial
@@ -24,7 +24,7 @@ def run(*words, cwd, **environment):
         env=outside() | environment,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=PATIENCE,
         check=False,
     )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
