@@ -34,6 +34,7 @@ from pathlib import Path
 
 from shellform import console
 from shellform.accuracy.choice import accuracy_line
+from shellform.motion.capture.options import add_options, on_command_line, options_of
 from shellform.results.comparison import comparison_lines
 from shellform.results.mean_torque import mean_rows
 from shellform.results.report import Report
@@ -47,16 +48,7 @@ from shellform.simulation.summary import summary_lines, summary_of
 
 COMM = console.COMM
 JOINT = "right_knee"
-# options that mend a capture
-WORDS = {
-    "cutoff": "--cutoff",
-    "map": "--map ...",
-    "max_gap": "--max-gap ...",
-    "static": "--static ...",
-    "unit": "--unit ...",
-    "up": "--up ...",
-    "window": "--start and --seconds",
-}
+WORDS = on_command_line(window="--start and --seconds")
 
 
 def arguments(given):
@@ -69,14 +61,7 @@ def arguments(given):
     parser.add_argument(
         "--motion", default="synthetic", help="'synthetic' or C3D, TRC, CSV, BVH file"
     )
-    parser.add_argument("--static", type=Path, help="static trial with markers the walk lacks")
-    parser.add_argument("--map", help="segment map of the markers (default: the one that fits)")
-    parser.add_argument("--unit", help="of the capture, where it does not tell")
-    parser.add_argument("--up", choices=("y", "z"), help="vertical, where it is not clear")
-    parser.add_argument("--cutoff", type=positive(float), default=6.0, help="of the low pass, Hz")
-    parser.add_argument(
-        "--max-gap", type=positive(float), default=0.1, help="longest gap filled, s"
-    )
+    add_options(parser, positive)
     parser.add_argument("--start", type=float, help="of the motion, s on its clock")
     parser.add_argument(
         "--fabric", nargs="+", default=["compliant", "stiff"], help="names of cards, or files"
@@ -116,15 +101,10 @@ def scene_of(options, fabric):
         fabric=fabric,
         motion=Motion(
             file=options.motion,
-            static=options.static,
-            map=options.map,
-            unit=options.unit,
-            up=options.up,
-            cutoff=options.cutoff,
-            max_gap=options.max_gap,
             start=options.start,
             end=options.seconds,
             obstacle=options.obstacle,
+            **options_of(options),
         ),
         garment=Garment(cell_size=options.cell_size, wrinkles=options.wrinkles),
         steps=Steps(

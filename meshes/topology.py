@@ -124,3 +124,14 @@ def cut_quads(cells: np.ndarray, odd: ArrayLike) -> np.ndarray:
     patterns = np.array([[[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]])
     chosen = patterns[np.asarray(odd, dtype=np.int64)]
     return np.take_along_axis(cells[:, None, :], chosen, axis=2).reshape(-1, 3)
+
+
+def straight_cells(cells: np.ndarray) -> np.ndarray:
+    """Cells whose corners are all their points: 9-node cells (m, 9) as four quads each, row by row.
+
+    Row r belongs to cell r // 4; cells (m, 3 | 4) are given back.
+    """
+    if cells.shape[1] != 9:
+        return cells
+    quarters = [[0, 4, 8, 7], [4, 1, 5, 8], [8, 5, 2, 6], [7, 8, 6, 3]]
+    return cells[:, quarters].reshape(-1, 4)

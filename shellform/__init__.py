@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .dynamics.explicit import Newmark
     from .dynamics.implicit import ImplicitNewmark
     from .dynamics.mass_spring import Particles
-    from .errors import NotConverged, Stopped, Unstable
+    from .errors import CompilerError, NotConverged, Stopped, Unstable
     from .fem.shell import Shell
     from .material.card import read_fabric
     from .material.fabric import Fabric, FabricError
@@ -80,11 +80,13 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     "MeshError",
     "NotConverged",
     "Unstable",
+    "CompilerError",
     "Stopped",
 ]
 
 _HOMES = {
     "Body": "contact.body.segments",
+    "CompilerError": "shellform.errors",
     "Contact": "shellform.contact_coupling.contact",
     "Fabric": "shellform.material.fabric",
     "FabricError": "shellform.material.fabric",

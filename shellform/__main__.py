@@ -30,7 +30,8 @@ fabric = "compliant"        # or "stiff", a card.toml, or a table as in a card
 belt_N = 20                 # tension of the belt; 0 for none
 
 [motion]
-file = "synthetic"          # or a capture: walk.c3d, walk.trc, walk.csv, walk.bvh
+file = "synthetic"          # or a capture: walk.c3d, walk.trc, walk.csv, walk.bvh, of any heading,
+                            # y or z up, mm, cm or m; left and right are the wearer's
 # static = "standing.trc"   # static trial, with markers that are taken off for the walk
 # map = "..."               # segment map of its markers, where none fits by itself
 # unit = "mm"               # and up = "z": of the capture, where it does not tell

@@ -21,11 +21,16 @@ from typing import Any, NoReturn
 from mpi4py import MPI
 
 from . import writable_folders
-from .all_ranks import HEAD_START, end_all_ranks
-from .errors import Mendable, NotConverged, Stopped, Unstable
+from .all_ranks import HEAD_START, PATIENCE, end_all_ranks
+from .errors import CompilerError, Mendable, NotConverged, Stopped, Unstable
 from .petsc_options import unused
 
 COMM = MPI.COMM_WORLD  # all ranks of the program
+# errors whose message tells a user what to do
+KNOWN = (
+    *(ValueError, FloatingPointError, OSError, ImportError),
+    *(NotConverged, Unstable, CompilerError),
+)
 
 
 def parse(
@@ -97,18 +102,18 @@ def run(
     # what mpirun makes of Ctrl-C, and how it ends the others after a failing rank, which has spoken
     ended = signal.SIG_DFL if MPI.COMM_WORLD.rank else _interrupt
     before = signal.signal(signal.SIGTERM, ended)
-    known = (ValueError, NotConverged, Unstable, FloatingPointError, OSError, ImportError)
     try:
         _call(main, arguments)
         sys.stdout.flush()
         return
     except BrokenPipeError:  # as in `shellform check ... | head -1`: no more is wanted
         _leave_quietly()
-    except known as error:
+    except KNOWN as error:
         said = error.in_words(words) if words and isinstance(error, Mendable) else error
         message, code = f"{_program()}: {said}", 2
     except Stopped as stop:
-        message, code = f"{_program()}: {stop}", 130
+        # all ranks have agreed upon it; mpirun may take as long as it gives them to read a line
+        message, code = "" if COMM.rank else f"{_program()}: {stop}", 130
     except KeyboardInterrupt:
         message, code = f"{_program()}: interrupted", 130
     except Exception:
@@ -117,7 +122,10 @@ def run(
         signal.signal(signal.SIGTERM, before)
     # one voice: an error that all ranks meet is printed by rank 0, which then ends the others
     time.sleep(HEAD_START if MPI.COMM_WORLD.rank else 0.0)
-    print(message, file=sys.stderr, flush=True)
+    if message:
+        print(message, file=sys.stderr, flush=True)
+    else:
+        time.sleep(PATIENCE)
     end_all_ranks(code)
 
 

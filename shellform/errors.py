@@ -34,6 +34,20 @@ class Unstable(RuntimeError):
     """
 
 
+class CompilerError(RuntimeError):
+    """There is no C compiler, or it could not compile, or nowhere to write to; says what to do.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> try:
+    ...     raise sf.CompilerError("no C compiler: 'gcc' is not found")
+    ... except sf.CompilerError as error:
+    ...     print(error)
+    no C compiler: 'gcc' is not found
+    """
+
+
 class Stopped(RuntimeError):
     """The run was interrupted; what it had reached is kept, the message says how to go on.
 

@@ -6,6 +6,9 @@ settings. In containers and on clusters the home folder is often read-only, abse
 user's. Then a temporary folder of this user takes its place, by the variables that all of them know
 (XDG_CACHE_HOME, XDG_CONFIG_HOME, MPLCONFIGDIR, HOME), so that programs begun from here have it too.
 It stays, so that the next run finds what this one compiled. Called before any of them is loaded.
+
+A TMPDIR that cannot be written to is passed over by Python and compilers, and ends Open MPI as it
+starts; so it is taken out.
 """
 
 import os
@@ -27,16 +30,21 @@ def provide(environment: MutableMapping[str, str] = os.environ) -> list[str]:
     -------
     lines that say so, none where all is well
     """
+    notes = []
+    given = environment.get("TMPDIR")
+    if given and not writable(Path(given), made=True):
+        del environment["TMPDIR"]
+        tempfile.tempdir = None  # what Python has found before counts no more
+        notes += [f"TMPDIR={given} cannot be written to: {tempfile.gettempdir()} is used"]
     try:
         home = Path(environment.get("HOME") or Path.home())
     except RuntimeError:  # a user without a name or a home
         home = Path("/nonexistent")
         environment["HOME"] = str(temporary())
-    notes = []
     cache = Path(environment.get("XDG_CACHE_HOME") or home / ".cache")
     if not all(writable(cache / name) for name in KEPT):
         environment["XDG_CACHE_HOME"] = str(temporary())
-        notes = [f"{cache} cannot be written to: compiled code is kept in {temporary()}"]
+        notes += [f"{cache} cannot be written to: compiled code is kept in {temporary()}"]
     config = Path(environment.get("XDG_CONFIG_HOME") or home / ".config")
     if not all(readable(config / name) for name in SETTINGS):
         environment["XDG_CONFIG_HOME"] = str(temporary())
@@ -45,9 +53,9 @@ def provide(environment: MutableMapping[str, str] = os.environ) -> list[str]:
     return notes
 
 
-def writable(folder: Path) -> bool:
-    """Whether files can be put into a folder, or the folder be made."""
-    for place in (folder, *folder.absolute().parents):
+def writable(folder: Path, made: bool = False) -> bool:
+    """Whether files can be put into a folder, or the folder be made unless it must be there."""
+    for place in (folder, *([] if made else folder.absolute().parents)):
         try:
             found = place.stat()
         except FileNotFoundError:

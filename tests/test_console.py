@@ -12,6 +12,7 @@ import pytest
 
 from shellform import console
 from shellform.errors import NotConverged, Stopped
+from tests.ranks import launch, needs_mpirun
 
 
 @pytest.fixture(autouse=True)
@@ -97,3 +98,21 @@ def test_output_into_a_pipe_that_closes(tmp_path):
         process.stdout.close()
         said = process.stderr.read()
     assert said == b"" and process.returncode == 141
+
+
+@needs_mpirun
+@pytest.mark.serial
+def test_a_stop_that_all_have_agreed_upon_is_told_once():
+    """Also while nobody reads what rank 0 has said, as mpirun does not after Ctrl-C."""
+    program = (
+        "import os\n"
+        "from mpi4py import MPI\n"
+        "from shellform import Stopped, console\n"
+        "def main(given):\n"
+        "    if MPI.COMM_WORLD.rank == 0:\n"
+        "        os.dup2(os.pipe()[1], 2)\n"
+        "    raise Stopped('stopped here')\n"
+        "console.run(main)\n"
+    )
+    done = launch(2, "-c", program)
+    assert done.returncode == 130 and "stopped here" not in done.stderr

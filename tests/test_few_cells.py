@@ -72,6 +72,9 @@ def stepped(stepper, folder):
     Series(folder).write(shell, stepper.time, height=shell.positions()[:, 2])
     # not what is zero by symmetry, which is roundoff
     found |= {f"ledger {name}": row[name] for name in ("kinetic", "strain", "momentum_z")}
+    # all three components together: one that is small against the others is judged by them
+    for kind in ("force", "moment"):
+        found[f"ledger {kind}"] = np.array([row[f"{kind}_ball_{axis}"] for axis in "xyz"])
     if skin is not None:
         skin.record(stepper.time, True)
         found["pressure"] = skin.result().mean

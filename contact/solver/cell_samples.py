@@ -21,7 +21,6 @@ h^2/(8 R) outside.
 
 import numpy as np
 
-from contact.body.segments import Body
 from contact.kernel import kernel
 
 
@@ -32,52 +31,6 @@ def midpoints(k: int) -> np.ndarray:
     a, b = np.meshgrid(*[(np.arange(k) + 0.5) / k] * 2, indexing="ij")
     a, b = a.ravel(), b.ravel()
     return np.column_stack([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b])
-
-
-def too_thin(body: Body, cell_size: float, offset: float = 0.0) -> list[str]:
-    """Sentences on the segments that can pass between nodes, where nodes alone are met.
-
-    Rows of nodes are a cell apart; a segment that lies along them passes where its thickness and
-    twice the offset are less.
-
-    Parameters
-    ----------
-    body : Body
-    cell_size, offset : float [m]
-    """
-    said = []
-    for name, shape in zip(body.names, body.shapes, strict=True):
-        thick = 2 * shape.inner_radius
-        if thick + 2 * offset < cell_size:
-            said.append(
-                f"segment '{name}' is {1e3 * thick:.3g} mm thick and can pass between nodes "
-                f"{1e3 * cell_size:.3g} mm apart: take explicit steps, which meet it at the edges "
-                f"of cells, or cells below {1e3 * (thick + 2 * offset):.3g} mm"
-            )
-    return said
-
-
-def through_cells(body: Body, cell_size: float, offset: float = 0.0, k: int = 0) -> list[str]:
-    """Sentences on the segments whose ends can come through inside a cell.
-
-    Met are edges of cells, and k x k samples inside cells (k = 0: none), rows of which are a k-th
-    of a cell apart, but no less than half for one. A rod that lies across edges is held; an end of
-    one, or a ball, that fits between what is met is not.
-
-    Parameters as for `too_thin`.
-    """
-    apart = cell_size / max(k, 2) if k else cell_size
-    said = []
-    for name, shape in zip(body.names, body.shapes, strict=True):
-        thick = 2 * shape.inner_radius
-        if thick + 2 * offset < apart:
-            rows = int(np.ceil(cell_size / (thick + 2 * offset)))
-            said.append(
-                f"segment '{name}' is {1e3 * thick:.3g} mm thick: edges of cells meet it, but its "
-                f"ends can come through inside cells of {1e3 * cell_size:.3g} mm; where they point "
-                f"at the cloth, take smaller cells, or samples={rows if rows > 2 else 1}"
-            )
-    return said
 
 
 def shares(cells: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Impulses of pairs that share nodes, Eqs. 15 and 16: found all at once, pass by pass.
 
-A pair meets the segment at the point sum_a w_a x_a of its cell. Several pairs share a node. Its
-mass is shared out among them by their weights (Tonge, Benevolenski and Voroshilov, ACM Trans.
-Graph. 31, 2012; cell_samples.py): with W_a = sum_s w_as a pair has
+A pair meets the segment at the point sum_a w_a x_a of its edge or cell. Several pairs share a node.
+Its mass is shared out among them by their weights (Tonge, Benevolenski and Voroshilov, ACM Trans.
+Graph. 31, 2012; cell_samples.py): with W_a = sum_s w_as of the pairs that push or lack a push
 
     M_s = 1 / sum_a w_as W_a / m_a,
 
@@ -12,7 +12,7 @@ still lacks, M_s (bound - n . step) / dt along the normal and M_s slip across it
 all passes within the cone of friction, and gives m_a dv_a = sum_s w_as dJ_s to the nodes. The whole
 impulse of a pair pushes, although one pass may take back what another gave: passes come closer to
 what all pairs together need, in no order, so the same on any number of ranks. Momentum is exact
-after any number of them.
+after any number of them; passes go on until what is lacked has come down to LEFT of the first.
 """
 
 from collections.abc import Callable
@@ -26,37 +26,54 @@ from contact.kernel import kernel
 from .contact_ledger import book_impulse
 from .friction import cone_kernel
 
-PASSES = 8
+PASSES = 8, 80  # at least, where there is friction; at most
+LEFT = 1e-3  # of what the first pass lacked
 
 
 @kernel
-def add_shares(pairs: np.ndarray, share: np.ndarray) -> None:
-    """Add the weights of pairs (k,) PAIR to W (n,) of their nodes."""
+def add_shares(pairs: np.ndarray, v: np.ndarray, dt: float, share: np.ndarray) -> float:
+    """Add the weights of the pairs (k,) PAIR that push or should to W (n,) of their nodes.
+
+    v : (n, 3), velocities by all passes before [m/s]
+
+    Returns the greatest velocity that a pair lacks, or pushes too much [m/s]
+    """
+    worst = 0.0
     for k in range(len(pairs)):
-        for a in range(len(pairs[k].nodes)):
-            share[pairs[k].nodes[a]] += pairs[k].weights[a]
+        pair = pairs[k]
+        pair.lacks = pair.bound / dt
+        for a in range(len(pair.nodes)):
+            for c in range(3):
+                pair.lacks -= pair.weights[a] * pair.normal[c] * v[pair.nodes[a], c]
+        if pair.push > 0.0 or pair.lacks > 0.0:
+            worst = max(worst, abs(pair.lacks))
+            for a in range(len(pair.nodes)):
+                share[pair.nodes[a]] += pair.weights[a]
+    return worst
 
 
 @kernel
 def set_masses(pairs: np.ndarray, share: np.ndarray, mass: np.ndarray, fixed: np.ndarray) -> None:
-    """Fill the masses M [kg] of pairs (k,) PAIR; 0 where no node can be pushed.
+    """Fill the masses M [kg] of pairs (k,) PAIR; 0 of those that a pass leaves alone.
 
     share, mass : (n,), W and m [kg] of the nodes; fixed : (n,) bool, those that no push moves
     """
     for k in range(len(pairs)):
-        inverse = 0.0
-        for a in range(len(pairs[k].nodes)):
-            i = pairs[k].nodes[a]
-            if not fixed[i]:
-                inverse += pairs[k].weights[a] * share[i] / mass[i]
-        pairs[k].mass = 1.0 / inverse if inverse > 0.0 else 0.0
+        pair, inverse = pairs[k], 0.0
+        if pair.push > 0.0 or pair.lacks > 0.0:
+            for a in range(len(pair.nodes)):
+                i = pair.nodes[a]
+                if not fixed[i]:
+                    inverse += pair.weights[a] * share[i] / mass[i]
+        pair.mass = 1.0 / inverse if inverse > 0.0 else 0.0
 
 
 @cache
 def pass_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel one_pass(pairs, v, dt, parameters, change) of a law of friction.
 
-    pairs : (k,) PAIR, their impulses are updated; v : (n, 3), velocities by all passes before [m/s]
+    pairs : (k,) PAIR after `add_shares` and `set_masses`, their impulses are updated
+    v : (n, 3), velocities by all passes before [m/s]
     parameters : numbers of the law; change : (n, 3 or more), impulses [N s], added to
     """
     transmitted = cone_kernel(kinetic_coefficient)
@@ -69,16 +86,14 @@ def pass_kernel(kinetic_coefficient: Callable) -> Any:
             pair = pairs[k]
             if pair.mass == 0.0:
                 continue
-            along = over = 0.0
+            along = 0.0
             for c in range(3):
                 speed = -pair.drift[c] / dt
                 for a in range(len(pair.nodes)):
                     speed += pair.weights[a] * v[pair.nodes[a], c]
                 slip[c] = speed
                 along += pair.normal[c] * speed
-                over += pair.normal[c] * pair.drift[c]
-            lacks = (pair.bound - over) / dt - along
-            push = max(0.0, pair.push + pair.mass * lacks)
+            push = max(0.0, pair.push + pair.mass * pair.lacks)
             for c in range(3):
                 given[c] = (push - pair.push) * pair.normal[c]
             pair.push = push

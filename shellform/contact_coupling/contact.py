@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact of a sheet with a body, said once for explicit and implicit steps: Eqs. 15 and 16.
 
-Segments thinner than the cells meet their edges besides in explicit steps; implicit ones warn.
+Segments that can pass between nodes meet edges and insides of cells besides in explicit steps;
+implicit steps refuse them (contact/solver/thin_segments.py).
 
 `stepper.add(Contact(body))` gives the running contact of that stepper: `ExplicitContact` or
 `ImplicitContact`.
@@ -72,7 +73,8 @@ class Contact:
         Raises
         ------
         ValueError for values out of range, for a stepper that has a contact already or a ledger
-        that was added before, and for samples or soft flesh under implicit steps
+        that was added before, and under implicit steps for samples, soft flesh and segments that
+        can pass between nodes
         """
         # each kind of contact is loaded with the steps that need it
         if stepper.implicit:

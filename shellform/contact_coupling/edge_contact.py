@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Edges of cells that meet segments thinner than they are long, as rods and blades; explicit steps.
+"""Edges and cells that meet segments thin enough to pass between nodes: rods, blades, tips.
 
-After the contact of nodes: every edge near such a segment meets it at its nearest point
+Explicit steps only. Which segments these are: contact/solver/thin_segments.py.
+
+After the contact of nodes: every edge and cell near such a segment meets it at its nearest point
 (contact/solver/cell_pairs.py), all edges at once (contact/solver/pair_impulses.py). Nothing is kept
 from step to step but the list of what is near. An edge of two ranks' cells is met by the rank that
 has the first of them.
@@ -9,35 +11,49 @@ has the first of them.
 
 from typing import Any
 
+from mpi4py import MPI
+
 import numpy as np
 
-from contact.body.segments import Body
 from contact.solver.broad_phase import surface_motion
-from contact.solver.cell_pairs import PAIR, farthest, find_pairs, list_near
-from contact.solver.pair_impulses import PASSES, add_shares, book_pairs, pass_kernel, set_masses
+from contact.solver.cell_pairs import CORNERS, PAIR, farthest, find_pairs, list_near
+from contact.solver.pair_impulses import (
+    LEFT,
+    PASSES,
+    add_shares,
+    book_pairs,
+    pass_kernel,
+    set_masses,
+)
+from contact.solver.thin_segments import STRETCH, spans
 from contact.solver.velocity_correction import VelocityCorrection
 from meshes import Surface
+from meshes.topology import directed_edges, straight_cells
 from shellform.fem.dolfinx_compat import Function, add_ghosts, vector_space
 
-SKIN = 0.5  # of the mean length of the edges: pairs within it are listed
+SKIN = 0.5  # of the mean size of the cells: pairs within it are listed
 OLD, ALLOWED = slice(6, 9), 9  # places among a node's numbers, after x and v
 WIDTH = 10
 
 
-def cell_edges(surface: Surface) -> tuple[np.ndarray, np.ndarray]:
-    """Edges (e, 2) int of all cells, once each, and the first cell (e,) that has them."""
-    cells = surface.cells
-    corners = cells.shape[1]
-    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
-    edges, first = np.unique(np.sort(ends, axis=1), axis=0, return_index=True)
-    return edges, first // corners
+def pieces_of(surface: Surface) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Edges of all cells, once each, and the cells; 9-node cells are met as their quarters.
 
-
-def has_longer_edges(body: Body, surface: Surface, offset: float) -> bool:
-    """Whether a segment with the `offset` [m] on both sides is thinner than an edge is long."""
-    edges, _ = cell_edges(surface)
-    longest = np.linalg.norm(np.diff(surface.points[edges], axis=1), axis=-1).max()
-    return any(2.0 * (shape.inner_radius + offset) < longest for shape in body.shapes)
+    Returns
+    -------
+    pieces (e, 4) int, nodes, then -1; the first cell (e,) int that has each; the largest span (e,)
+    of the cells, or quarters, that have it [m], see thin_segments.py
+    """
+    cells = straight_cells(surface.cells)
+    span, corners = spans(surface.points, cells), cells.shape[1]
+    ends = np.sort(directed_edges(cells), axis=1)
+    edges, first, number = np.unique(ends, axis=0, return_index=True, return_inverse=True)
+    widest = np.zeros(len(edges))
+    np.maximum.at(widest, number.ravel(), np.repeat(span, corners))
+    pieces = np.full((len(edges) + len(cells), CORNERS), -1)
+    pieces[: len(edges), :2], pieces[len(edges) :, :corners] = edges, cells
+    cell = np.concatenate([first // corners, np.arange(len(cells))])
+    return pieces, cell // (len(cells) // len(surface.cells)), np.concatenate([widest, span])
 
 
 class EdgeContact:
@@ -49,7 +65,9 @@ class EdgeContact:
 
     Attributes
     ----------
-    active : int, edges that were pushed in the last step; max_depth : float [m], deepest start
+    active : int, pieces that were pushed in the last step; max_depth : float [m], deepest start
+    pairs : (k,) PAIR of the last step, those of this rank; impulse : (n_owned, 3), what all ranks'
+        gave to the nodes [N s]
     """
 
     def __init__(
@@ -58,18 +76,19 @@ class EdgeContact:
         shell = stepper.shell
         partition, surface = shell.partition, shell.surface
         self.active, self.max_depth = 0, 0.0
+        self.pairs, self.impulse = np.zeros(0, PAIR), np.zeros((stepper.n_owned, 3))
         self._comm, self._nodes = shell.comm, nodes
         self._offset, self._recovery = float(offset), float(recovery)
-        edges, first = cell_edges(surface)
-        lengths = np.linalg.norm(np.diff(surface.points[edges], axis=1)[:, 0], axis=1)
+        pieces, first, widest = pieces_of(surface)
         own = np.isin(first, partition.cells)
-        self._edges = np.ascontiguousarray(partition.local_numbers[edges[own]])
-        self._lengths, self._skin = lengths[own], SKIN * float(lengths.mean())
+        numbers = np.append(partition.local_numbers, -1)  # of no node: -1 again
+        self._pieces = np.ascontiguousarray(numbers[pieces[own]])
+        self._widths, self._skin = STRETCH * widest[own], SKIN * surface.mean_cell_size
         n, m = partition.n_owned, partition.n_local
         self._held = np.ascontiguousarray(shell.supports.held[:n, :3])
-        self._numbers = Function(vector_space(partition.mesh, "Lagrange", 1, WIDTH))
-        self._change = Function(vector_space(partition.mesh, "Lagrange", 1, 3))
-        self._share = Function(vector_space(partition.mesh, "Lagrange", 1, 1))
+        self._numbers = Function(vector_space(partition.mesh, "Lagrange", surface.degree, WIDTH))
+        self._change = Function(vector_space(partition.mesh, "Lagrange", surface.degree, 3))
+        self._share = Function(vector_space(partition.mesh, "Lagrange", surface.degree, 1))
         values = self._numbers.x.array.reshape(m, WIDTH)
         values[:n, 0], values[:n, 1] = self._held.all(axis=1), stepper.mass
         self._numbers.x.scatter_forward()
@@ -96,14 +115,9 @@ class EdgeContact:
         numbers.x.scatter_forward()
         pairs = self._find(values, stepper.time, dt)
         self.active, self.max_depth = 0, 0.0
+        self.pairs, self.impulse[:] = pairs, 0.0
         if self._comm.allreduce(len(pairs)) == 0:
             return None
-        share = self._share.x.array
-        share[:] = 0.0
-        add_shares(pairs, share)
-        add_ghosts(self._share)
-        self._share.x.scatter_forward()
-        set_masses(pairs, share, self._mass, self._fixed)
         return self._push(stepper, pairs, values, dt)
 
     def _find(self, values, time, dt):
@@ -118,7 +132,7 @@ class EdgeContact:
         self._time = time + dt
         allowed = values[:, ALLOWED].copy().view(np.int64)
         found = find_pairs(
-            x, v, allowed, self._edges, self._listed[: self._near], segments, dt, self._offset,
+            x, v, allowed, self._pieces, self._listed[: self._near], segments, dt, self._offset,
             self._recovery * dt, self._pairs,
         )  # fmt: skip
         return self._pairs[:found]
@@ -126,7 +140,7 @@ class EdgeContact:
     def _list(self, x, skin, segments):
         while True:
             near = list_near(
-                x, self._edges, self._lengths, segments, self._offset, min(skin, 1e9), self._listed
+                x, self._pieces, self._widths, segments, self._offset, min(skin, 1e9), self._listed
             )
             if near <= len(self._listed):
                 break
@@ -139,10 +153,19 @@ class EdgeContact:
         n, friction = stepper.n_owned, self._nodes.friction
         one_pass = pass_kernel(friction.kinetic_coefficient)
         parameters = np.array(friction.parameters, float)
-        change = self._change.x.array.reshape(-1, 3)
-        impulse = np.zeros((n, 3))
+        change, impulse = self._change.x.array.reshape(-1, 3), self.impulse
         v = np.ascontiguousarray(values[:, 3:6])
-        for _ in range(PASSES):
+        share, lacked = self._share.x.array, 0.0
+        least = PASSES[0] if friction.parameters[0] > 0.0 else 1
+        for done in range(PASSES[1]):
+            share[:] = 0.0
+            worst = self._comm.allreduce(add_shares(pairs, v, dt, share), MPI.MAX)
+            lacked = max(lacked, worst)
+            if done >= least and worst <= LEFT * lacked:
+                break
+            add_ghosts(self._share)
+            self._share.x.scatter_forward()
+            set_masses(pairs, share, self._mass, self._fixed)
             change[:] = 0.0
             one_pass(pairs, v, dt, parameters, change)
             add_ghosts(self._change)

@@ -9,7 +9,7 @@ are the sheet on the body. `samples=k` meets k x k points inside every cell besi
 (contact/solver/cell_samples.py), at the price of nodes that stand off by h^2/(8 R) where cells bend
 around a body. `demos/strip_over_cylinder.py` measures both.
 
-Segments thin enough to pass between nodes are met by the edges of cells too (edge_contact.py).
+Segments thin enough to pass between nodes are met by edges and cells too (edge_contact.py).
 
 Components of the displacement that a support holds are left to it: what contact would give them
 goes to the support. Nodes held in all three are not met.
@@ -30,17 +30,17 @@ from contact.solver.cell_samples import (
     particle_masses,
     shares,
     spread,
-    through_cells,
 )
 from contact.solver.contact_ledger import WORK, book_loss
 from contact.solver.friction import Friction
+from contact.solver.thin_segments import spans, thin_segments
 from contact.solver.velocity_correction import VelocityCorrection
+from meshes.topology import straight_cells
 from shellform.dynamics.part import RunningContact
 from shellform.fem.dolfinx_compat import Function, add_ghosts, cell_nodes, vector_space
 from shellform.fem.partition import DOLFINX_ORDER
 
 from . import contact_checkpoint
-from .edge_contact import EdgeContact, has_longer_edges
 from .pressed_cells import PressedCells
 
 
@@ -67,8 +67,7 @@ class ExplicitContact(RunningContact):
     correction : VelocityCorrection, with its counters and ledgers, those of samples included
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
-    edges : EdgeContact, or None where every segment is thicker than the edges are long
-    notes : list of str, segments that can come through inside a cell
+    edges : EdgeContact, or None where no segment can pass between nodes
 
     Raises
     ------
@@ -105,13 +104,16 @@ class ExplicitContact(RunningContact):
         k: Any = 0 if samples == "nodes" else samples
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
-        self.edges = None
-        if has_longer_edges(body, stepper.shell.surface, offset):
+        surface, self.edges = stepper.shell.surface, None
+        span = spans(surface.points, straight_cells(surface.cells)).max()
+        if thin_segments(body.shapes, span, offset):
+            # its kernels are loaded for thin segments only
+            from .edge_contact import EdgeContact
+
             self.edges = EdgeContact(stepper, self.correction, offset, recovery)
         self.pressed = None
         if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
             self.pressed = PressedCells(stepper)
-        self.notes = through_cells(body, stepper.shell.surface.mean_cell_size, offset, k)
 
     @property
     def active(self) -> int:

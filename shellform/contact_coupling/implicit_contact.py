@@ -21,7 +21,6 @@ impact loss.
 """
 
 import time
-import warnings
 from typing import Any
 
 from mpi4py import MPI
@@ -31,12 +30,13 @@ import numpy as np
 from contact.body.pose_check import require_no_jump
 from contact.body.segments import Body
 from contact.solver import active_set, held_nodes
-from contact.solver.cell_samples import too_thin
 from contact.solver.contact_ledger import Ledger
 from contact.solver.friction import Friction, as_friction
 from contact.solver.held_nodes import FIXED, OPEN, SolvedStep
 from contact.solver.segment_motion import segment_records, set_motion
 from contact.solver.step_record import step_record
+from contact.solver.thin_segments import refusal, spans
+from meshes.topology import straight_cells
 from shellform.dynamics.part import RunningContact
 
 ROUNDS = 30  # solves of a step before it counts as failed
@@ -56,9 +56,13 @@ class ImplicitContact(RunningContact):
     Attributes
     ----------
     body, last, window, ... : see RunningContact; active, sticking : nodes held after the last step
-    notes : list of str, segments that can pass between nodes; they are warned of
     rounds : int, active sets tried so far; unsettled : int, steps taken with a set still changing
     seconds : float, spent outside the solves
+
+    Raises
+    ------
+    ValueError for midpoint steps, for recovery or offset out of range, and for segments that can
+    pass between nodes (contact/solver/thin_segments.py)
     """
 
     active: int = 0
@@ -78,9 +82,11 @@ class ImplicitContact(RunningContact):
         offset = 0.5 * shell.fabric.thickness if offset is None else float(offset)
         if not 0 <= offset < np.inf:
             raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
-        self.notes = too_thin(body, shell.surface.mean_cell_size, offset)
-        for note in self.notes:
-            warnings.warn(note, stacklevel=4)
+        surface = shell.surface
+        span = spans(surface.points, straight_cells(surface.cells)).max()
+        said = refusal(body.names, body.shapes, span, surface.mean_cell_size, offset)
+        if said is not None:
+            raise ValueError(said)
         self.body, self._segments = body, segment_records(body)
         self._extents = np.array([shape.half_extents for shape in body.shapes])
         self._friction, self._recovery = as_friction(friction), float(recovery)

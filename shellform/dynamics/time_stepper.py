@@ -14,7 +14,8 @@ from petsc4py import PETSc
 import numpy as np
 
 from shellform.errors import Unstable
-from shellform.fem.dolfinx_compat import Function, exceptions_as_raised, petsc_view
+from shellform.fem.callback_errors import exceptions_as_raised
+from shellform.fem.dolfinx_compat import Function, petsc_view
 from shellform.fem.lumped_mass import lumped
 from shellform.fem.shell import Shell
 

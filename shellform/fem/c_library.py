@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """C code of this package, compiled when first used and kept on disk beside FFCx's.
 
-C code is compiled for the processor it runs on. The environment variable SHELLFORM_CFLAGS names
-other flags in place of -march=native, as SHELLFORM_CFLAGS=-march=x86-64-v2 for machines of many
-kinds that share a cache; code compiled with other flags is kept beside.
-
-The name of a library is a hash of its source, the flags, the compiler and the processor. It is
-written under another name and then moved, so that processes that compile at once replace it by the
-same thing.
+The name of a library is a hash of its source, the flags, the compiler and the processor: what was
+compiled otherwise is kept beside. It is written under another name and then moved, so that
+processes that compile at once replace it by the same thing. The hash of its content stands at its
+end: of a file that a power cut has shortened, the loader would map what is not there, and the
+program die of it.
 """
 
 import hashlib
@@ -16,9 +14,8 @@ import platform
 import shlex
 import shutil
 import subprocess
-import sysconfig
 import tempfile
-from collections.abc import Mapping
+import time
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -26,41 +23,14 @@ from typing import Any
 
 import cffi
 
+from shellform.errors import CompilerError
+
+from .c_compiler import check_room, compiler, compiler_flags
 from .dolfinx_compat import cache_folder
+from .killed_compile import OLD
 from .quiet_compiler import LOG
 
-# without NaN or infinity assumed away: a step that explodes must be seen to
-FAST = ["-fno-math-errno", "-fno-trapping-math", "-fassociative-math"]
-FAST += ["-fno-signed-zeros", "-freciprocal-math", "-ffp-contract=fast"]
-
-
-def compiler_flags(environment: Mapping[str, str] = os.environ) -> list[str]:
-    """Flags of the C compiler, those of the processor among them; ValueError for what is none."""
-    given = environment.get("SHELLFORM_CFLAGS", "-march=native")
-    processor = shlex.split(given)
-    if not all(flag.startswith("-") for flag in processor):
-        raise ValueError(
-            f"SHELLFORM_CFLAGS is {given!r}: give flags of the C compiler, as -march=x86-64-v2"
-        )
-    return ["-O3", *processor, *FAST]
-
-
-def compiler(environment: Mapping[str, str] = os.environ) -> list[str]:
-    """Command of the C compiler: that of CC, else the one that Python was built with, else cc.
-
-    Raises
-    ------
-    RuntimeError if there is none
-    """
-    named = environment.get("CC")
-    commands = [named] if named else [sysconfig.get_config_var("CC") or "cc", "cc"]
-    for command in map(shlex.split, commands):
-        if command and shutil.which(command[0], path=environment.get("PATH")):
-            return command
-    raise RuntimeError(
-        f"no C compiler: {commands[0]!r} is not found; install one (Debian: apt install gcc) or "
-        "name it in the environment variable CC"
-    )
+HASH = 32  # bytes of a SHA-256
 
 
 def library(source: Path, declarations: str) -> tuple[Any, Any]:
@@ -72,8 +42,8 @@ def library(source: Path, declarations: str) -> tuple[Any, Any]:
 
     Raises
     ------
-    ValueError for SHELLFORM_CFLAGS that are no flags; RuntimeError if there is no C compiler, or if
-    it refuses
+    ValueError for SHELLFORM_CFLAGS that are no flags; CompilerError if there is no C compiler, if
+    it refuses, or has nowhere to write to
     """
     return _opened(source, declarations, tuple(compiler()), tuple(compiler_flags()))
 
@@ -83,10 +53,19 @@ def _opened(source, declarations, command, flags):
     ffi = cffi.FFI()
     ffi.cdef(declarations)
     path = cache_folder() / f"{source.stem}-{_key(source, command, flags)}.so"
+    if _whole(path):
+        with suppress(OSError):  # a folder whose files may not be run
+            return ffi, ffi.dlopen(str(path))
+    return ffi, _compiled(ffi, source, command, flags, path)
+
+
+def _whole(path):
+    """Whether a library is there and as it was written."""
     try:
-        return ffi, ffi.dlopen(str(path))
-    except OSError:  # none, or cut short by a power cut
-        return ffi, _compiled(ffi, source, command, flags, path)
+        content = path.read_bytes()
+    except OSError:
+        return False
+    return content[-HASH:] == hashlib.sha256(content[:-HASH]).digest()
 
 
 def _key(source, command, flags):
@@ -107,23 +86,38 @@ def _processor():
 
 def _compiled(ffi, source, command, flags, path):
     """Compile into a folder of its own, move what comes out to `path` if that can be written."""
-    with tempfile.TemporaryDirectory() as folder:
-        made = Path(folder, path.name)
+    LOG.info("compiling %s; it is kept for the next run", source.name)
+    with suppress(OSError):
+        _remove_dead(path.parent)
+    try:
+        folder = tempfile.TemporaryDirectory(prefix="shellform-")
+    except OSError as error:
+        raise CompilerError(f"nowhere to compile {source.name}: {error.strerror}") from None
+    with folder as place:
+        made = Path(place, path.name)
         words = [*command, *flags, "-w", "-shared", "-fPIC", str(source), "-o", str(made)]
-        LOG.info("compiling %s; it is kept for the next run", source.name)
         run = subprocess.run(words, capture_output=True, text=True)
         if run.returncode or not made.is_file():
+            check_room(Path(place).parent, "free some there, or name another folder in TMPDIR")
             errors = [line for line in run.stderr.splitlines() if "error" in line]
-            raise RuntimeError(
+            raise CompilerError(
                 f"the C compiler refuses {source.name}: {(errors or [run.stderr.strip()])[0]} "
                 f"(command: {shlex.join(words)})"
             )
-        written = path.with_suffix(f".{os.getpid()}-{Path(folder).name}.tmp")
+        written = path.with_suffix(f".{os.getpid()}-{Path(place).name}.tmp")
+        content = made.read_bytes()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(made, written)
+            written.write_bytes(content + hashlib.sha256(content).digest())
             os.replace(written, path)
         except OSError:  # a full disk or a folder that cannot be written to: once a process
             with suppress(OSError):
                 written.unlink()
         return ffi.dlopen(str(made))
+
+
+def _remove_dead(folder):
+    """Remove what processes have left that were killed while they wrote."""
+    for written in folder.glob("*.tmp"):
+        if written.stat().st_mtime < time.time() - OLD:
+            written.unlink(missing_ok=True)

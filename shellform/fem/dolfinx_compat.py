@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What differs between versions of dolfinx, UFL, FFCx and PETSc: no other file imports dolfinx.
+"""What differs between versions of dolfinx, UFL and FFCx: no other file imports dolfinx.
 
 One tree runs on dolfinx 0.5.2 to 0.11. What a version has is found by name (`hasattr`, parameters
 of a function), not by number, so that releases between those tried fall on the right side.
@@ -7,8 +7,7 @@ of a function), not by number, so that releases between those tried fall on the 
 
 import inspect
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -105,21 +104,12 @@ def surface_mesh(
     if "max_facet_to_cell_links" in _TO_MAKE:
         given["max_facet_to_cell_links"] = at_edge
     if ranks is not None:
-        given["partitioner"] = _partitioner(*ranks if first else (ranks[0][:0], ranks[1][:1]))
+        data, offsets = ranks if first else (ranks[0][:0], ranks[1][:1])
+        if "ghost_mode" not in _TO_MAKE:  # where there is one, neighbours are dropped again
+            data, offsets = data[offsets[:-1]], np.arange(len(offsets), dtype=np.int32)
+        given["partitioner"] = lambda *_: cpp.graph.AdjacencyList_int32(data, offsets)
     with quiet_compiler(_forms_folder(), first):
         return dolfinx.mesh.create_mesh(comm, **given)
-
-
-def _partitioner(data: np.ndarray, offsets: np.ndarray) -> Any:
-    """What create_mesh asks for the ranks of the cells that this rank gives it."""
-    if "ghost_mode" not in _TO_MAKE:
-        # where there is a ghost mode, neighbours are asked for and dropped again
-        data, offsets = data[offsets[:-1]], np.arange(len(offsets), dtype=np.int32)
-
-    def partition(*what: object) -> Any:
-        return cpp.graph.AdjacencyList_int32(data, offsets)
-
-    return partition
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:
@@ -203,20 +193,3 @@ def assemble_packed(
 def _of_cpp(form: Any) -> Any:
     """The form of C++, which older versions hand out as it is."""
     return getattr(form, "_cpp_object", form)
-
-
-@contextmanager
-def exceptions_as_raised() -> Iterator[None]:
-    """Let exceptions of functions that PETSc calls back come out as they were raised.
-
-    petsc4py of PETSc 3.19 and newer hands out a PETSc.Error with the original as its cause.
-    """
-    original: BaseException | None = None
-    try:
-        yield
-    except PETSc.Error as error:
-        original = error
-        while isinstance(original, PETSc.Error) and original.__cause__ is not None:
-            original = original.__cause__
-    if original is not None:
-        raise original

@@ -10,7 +10,7 @@ import numpy as np
 
 from shellform.material.energy import STRAINS, is_quadratic
 
-from .c_library import compiler_flags
+from .c_compiler import compiler_flags
 from .cell_membrane import cell_warp
 from .dolfinx_compat import (
     Constant,

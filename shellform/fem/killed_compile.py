@@ -68,6 +68,10 @@ def remove_unfinished(folder: Path, since: float | None, old: float = OLD) -> li
     names of what was removed
     """
     removed = []
+    for half in folder.glob("libffcx_*.c.~*"):  # of a process that died while it wrote NAME.c
+        with suppress(OSError):
+            if half.stat().st_mtime < time.time() - old:
+                half.unlink()
     for source in folder.glob("libffcx_*.c"):
         if source.with_suffix(".c.cached").exists():
             continue

@@ -51,7 +51,7 @@ class QuadForce:
 
     Raises
     ------
-    RuntimeError if there is no C compiler
+    CompilerError if there is no C compiler
     """
 
     def __init__(

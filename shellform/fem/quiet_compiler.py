@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
+from .c_compiler import failures_as_sentences
 from .killed_compile import alone
 
 LOG = logging.getLogger("shellform")
@@ -24,13 +25,17 @@ def quiet_compiler(folder: Path, compiles: bool, forms: int = 0) -> Iterator[Non
     ----------
     folder : where compiled forms are kept; compiles : whether this rank compiles, for the others
     forms : number of those asked for, 0 to say nothing
+
+    Raises
+    ------
+    CompilerError where the compiler fails
     """
     root, disabled = logging.root, logging.root.manager.disable
     before = root.level, root.handlers[:]
     cached, start = _changed(folder), time.perf_counter()
     logging.disable(logging.INFO)
     try:
-        with alone(folder) if compiles else nullcontext():
+        with failures_as_sentences(folder), alone(folder) if compiles else nullcontext():
             yield
     finally:
         logging.disable(disabled)

@@ -10,6 +10,10 @@ A node in a crease between two ellipsoids presses on the one that `VelocityCorre
 names, with the part of J along that one's normal; what is left of the push by the other is counted
 as rubbing. A patch that another ellipsoid covers in part has its force divided by its whole area.
 
+Where a segment can pass between nodes (contact_coupling/edge_contact.py), edges and cells press on
+it at the points where they meet it. They count in the forces, not in the share of the area: a point
+of an edge covers none.
+
 Impulses add up over a window between two records. Ranks are added together at a record only.
 """
 
@@ -157,13 +161,24 @@ class Pressure(Part):
         return super().attach(stepper)
 
     def __call__(self, stepper: Newmark, dt: float) -> None:
-        contact, pose = self.contact, self.contact.start_pose
-        add_pressure(
-            stepper.points, stepper.owned, contact.segment, contact.last.impulse,
-            stepper.mass, dt, pose.centres, pose.axes, *self.patches.tables, self._which,
-            self._weights, self.total,
-        )  # fmt: skip
+        contact, impulse = self.contact, self.contact.last.impulse
+        if contact.edges is not None:
+            impulse = impulse - contact.edges.impulse
+            pairs = contact.edges.pairs
+            given = pairs["push"][:, None] * pairs["normal"] + pairs["friction"]
+            owners = np.where(pairs["push"] > 0.0, pairs["owner"], -1)
+            places, nothing = pairs["x"].copy(), np.zeros(len(pairs))
+            self._add(places, np.zeros_like(places), owners, given, nothing, dt)
+        self._add(stepper.points, stepper.owned, contact.segment, impulse, stepper.mass, dt)
         self.seconds += dt
+
+    def _add(self, points, w, segment, impulse, mass, dt):
+        """Points of a step to the patches; see `add_pressure`."""
+        pose = self.contact.start_pose
+        add_pressure(
+            points, w, segment, impulse, mass, dt, pose.centres, pose.axes, *self.patches.tables,
+            self._which, self._weights, self.total,
+        )  # fmt: skip
 
     def record(self, time: float, counts: bool = True) -> np.ndarray:
         """Close the window that ends at `time` [s], begin a new one; all ranks call.

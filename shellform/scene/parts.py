@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from shellform.motion.capture.options import DEFAULTS
+
 
 def with_unit(default: Any, unit: str) -> Any:
     return field(default=default, metadata={"unit": unit})
@@ -34,8 +36,8 @@ class Motion:
     map: str | Path | None = None
     unit: str | None = None
     up: str | None = None
-    cutoff: float = with_unit(6.0, "Hz")
-    max_gap: float = with_unit(0.1, "s")
+    cutoff: float = with_unit(DEFAULTS["cutoff"], "Hz")
+    max_gap: float = with_unit(DEFAULTS["max_gap"], "s")
     start: float | None = with_unit(None, "s")
     end: float | None = with_unit(None, "s")
     initiation: float | None = with_unit(None, "s")

@@ -13,6 +13,7 @@ from meshes import Surface
 from shellform.errors import Mendable
 from shellform.motion import anthropometry
 from shellform.motion.capture.gait_initiation import gait_initiation
+from shellform.motion.capture.options import IN_SCENE, options_of
 from shellform.motion.gait.standing_pose import standing_of
 from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.joint_parts import chosen_parts
@@ -22,17 +23,6 @@ from shellform.motion.wearer import Wearer
 
 from .reach import reachable
 from .scene import Scene
-
-# options of a capture as keys of a scene's [motion]
-KEYS = {
-    "cutoff": "cutoff_Hz",
-    "map": 'map = "..."',
-    "max_gap": "max_gap_s = ...",
-    "static": 'static = "..."',
-    "unit": 'unit = "..."',
-    "up": 'up = "..."',
-    "window": "start_s and end_s",
-}
 
 
 def wearer_of(scene: Scene) -> Wearer:
@@ -61,18 +51,9 @@ def wearer_of(scene: Scene) -> Wearer:
                 np.inf if motion.end is None else motion.end,
             )
         try:
-            recording = read_motion(
-                motion.file,
-                static=motion.static,
-                map=motion.map,
-                unit=motion.unit,
-                up=motion.up,
-                cutoff=motion.cutoff,
-                max_gap=motion.max_gap,
-                window=window,
-            )
+            recording = read_motion(motion.file, window=window, **options_of(motion))
         except Mendable as error:
-            raise Mendable(error.fact, error.mend, KEYS) from None
+            raise Mendable(error.fact, error.mend, IN_SCENE) from None
     standing = standing_of(recording)
     if not at_rest(recording, standing):
         recording = gait_initiation(recording, standing, motion.initiation)

@@ -19,4 +19,4 @@ def motion_lines(model: Model) -> list[str]:
             f"           stride {facts['stride_length']:.3f} m, cadence {facts['cadence']:.1f} "
             "steps/min"
         )
-    return lines + [f"           {note}" for note in [*recording.notes, *model.contact.notes]]
+    return lines + [f"           {note}" for note in recording.notes]

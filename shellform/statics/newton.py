@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from shellform.fem.dolfinx_compat import exceptions_as_raised
+from shellform.fem.callback_errors import exceptions_as_raised
 
 from .equilibrium import Equilibrium
 

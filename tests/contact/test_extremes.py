@@ -8,7 +8,6 @@ import pytest
 
 from contact.body.pose_check import first_jump
 from contact.body.segments import Body, Fixed, Segment, Steady
-from contact.solver.cell_samples import through_cells
 from contact.solver.velocity_correction import VelocityCorrection
 from demos.studies.extremes import body_cases as meeting
 from demos.studies.extremes import captures as captures
@@ -72,18 +71,6 @@ def test_thin_rods_are_met_by_edges(radius, samples):
     """Rows of nodes 40 mm apart, the rod in the middle between two of them."""
     out = meeting.over_rod(radius, samples)
     assert out["caught"] and out["momentum"] < ROUNDOFF
-
-
-def test_a_tip_that_fits_into_a_cell_is_told():
-    """Of a ball and of a rod; as many samples as are asked for leave nothing to tell."""
-    rod = Body([Segment("rod", (0.006, 10.0, 0.006), Fixed())])
-    ball = Body([Segment("ball", [0.006] * 3, Fixed())])
-    for body, k in ((ball, 0), (ball, 1), (ball, 3), (rod, 0)):
-        (said,) = through_cells(body, 0.04, 5e-4, k)
-        need = int(said.rsplit("=", 1)[1])
-        assert f"'{body.names[0]}' is 12 mm thick" in said and need > max(k, 2)
-        assert not through_cells(body, 0.04, 5e-4, need)
-    assert meeting.over_rod(0.003, 0, 1e-3)["touch"].notes
 
 
 @pytest.mark.parametrize("count", [1, 62, 200])

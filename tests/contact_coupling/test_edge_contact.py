@@ -11,7 +11,7 @@ from contact.body.segments import Body, Fixed, Segment, Steady
 from contact.geometry.capsule import Capsule
 from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
-from shellform.contact_coupling.edge_contact import cell_edges, has_longer_edges
+from shellform.contact_coupling.edge_contact import pieces_of
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
 
@@ -107,13 +107,17 @@ def test_the_same_on_any_number_of_ranks():
     assert runs[1][1] == pytest.approx(runs[0][1], rel=1e-6)
 
 
-def test_edges_of_cells_once_each():
-    for triangles, count in ((False, 17), (True, 23)):
-        surface = meshes.rectangle(0.3, 0.2, (3, 2), triangles=triangles)
-        edges, first = cell_edges(surface)
-        assert len(edges) == count
-        assert all(np.isin(e, surface.cells[c]).all() for e, c in zip(edges, first, strict=True))
-    thick = Body([Segment("ball", [0.2] * 3, Fixed())])
-    assert not has_longer_edges(thick, surface, 0.0)
-    stepper = strip()
-    assert stepper.add(Contact(thick)).edges is None
+@pytest.mark.parametrize(
+    ("options", "edges", "cells"),
+    [({}, 17, 6), ({"triangles": True}, 23, 12), ({"degree": 2}, 58, 24)],
+)
+def test_edges_and_cells_once_each(options, edges, cells):
+    """Of the quarters where cells have nine nodes; spans are the diagonals."""
+    surface = meshes.rectangle(0.3, 0.2, (3, 2), **options)
+    pieces, first, span = pieces_of(surface)
+    assert len(pieces) == edges + cells and np.count_nonzero(pieces[:, 2] < 0) == edges
+    assert len(np.unique(np.sort(pieces, axis=1), axis=0)) == len(pieces)
+    for piece, c in zip(pieces, first, strict=True):
+        assert np.isin(piece[piece >= 0], surface.cells[c]).all()
+    size = 0.05 if options.get("degree") == 2 else 0.1
+    assert span == pytest.approx(np.full(len(pieces), np.sqrt(2) * size))

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact under implicit steps: weight, momentum, incline, moving body, impact."""
 
+import re
+
 import numpy as np
 import pytest
 
 import meshes
 from contact.body.segments import Body, Fixed, Segment, Steady
+from contact.geometry.capsule import Capsule
 from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
+from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.dynamics.implicit_midpoint import ImplicitMidpoint
 from shellform.results.ledger import Ledger
@@ -129,7 +133,7 @@ def test_impact_of_a_patch(speed):
 
 
 def test_wrong_settings_are_refused():
-    body = Body([Segment("limb", [0.1] * 3, Fixed())])
+    body = Body([Segment("limb", [0.5] * 3, Fixed())])
     shell = Shell(meshes.rectangle(1.0, 1.0, (2, 2)), Fabric.isotropic(**CLOTH))
     with pytest.raises(ValueError, match="midpoint steps know no contact"):
         ImplicitMidpoint(shell, 1e-3).add(Contact(body))
@@ -139,3 +143,26 @@ def test_wrong_settings_are_refused():
     stepper.add(Contact(body))
     with pytest.raises(ValueError, match="has a body already"):
         stepper.add(Contact(body))
+
+
+@pytest.mark.parametrize(
+    "shape", [Capsule(1.0, 0.02), (0.3, 0.02, 0.3), (0.025, 0.025, 0.025)], ids=str
+)
+def test_what_passes_between_nodes_is_refused(shape):
+    """Rod, blade and ball under cells of 40 mm; explicit steps meet them at edges, and so do
+    implicit steps with nodes as far apart as the sentence says."""
+    body = Body([Segment("limb", (0.2, 0.2, 0.2), Fixed()), Segment("thin", shape, Fixed())])
+    fabric = Fabric.isotropic(**CLOTH)
+
+    def sheet(cell):
+        size = 5 * cell
+        return Shell(meshes.rectangle(size, size, (5, 5)), fabric)
+
+    sentence = r"'thin', \d+ mm thick, .* of cells 56.6 mm across.*take Newmark.* below ([\d.]+) mm"
+    with pytest.raises(ValueError, match=sentence) as refused:
+        ImplicitNewmark(sheet(0.04), 1e-3).add(Contact(body))
+    below = 1e-3 * float(re.search(sentence, str(refused.value))[1])
+    assert ImplicitNewmark(sheet(below), 1e-3).add(Contact(body)).active == 0
+    with pytest.raises(ValueError, match="can pass between nodes"):
+        ImplicitNewmark(sheet(1.01 * below), 1e-3).add(Contact(body))
+    assert Newmark(sheet(0.04)).add(Contact(body)).edges is not None

@@ -7,7 +7,7 @@ import ufl
 
 import meshes
 from shellform import Fabric, Shell
-from shellform.fem.c_library import compiler_flags
+from shellform.fem.c_compiler import compiler_flags
 from shellform.fem.dolfinx_compat import Constant, compiled
 from shellform.fem.internal_force import InternalForce
 

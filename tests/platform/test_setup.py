@@ -10,7 +10,7 @@ from importlib.util import module_from_spec, spec_from_loader
 
 import pytest
 
-from tests.ranks import MPIRUN, ROOT, launch, needs_mpirun
+from tests.ranks import MPIRUN, ROOT, launch, needs_mpirun, outside
 
 pytestmark = pytest.mark.serial
 
@@ -88,9 +88,97 @@ def test_an_active_environment_that_will_not_do_is_named(pick):
     assert "complex128" in pick("debian 12", "active", python3=COMPLEX)
 
 
+def test_what_apt_get_has_installed_is_apt_s_unless_asked_for(pick):
+    python = HAS_DOLFINX.replace("own", "system")
+    assert pick("debian 12", python3=python)[0] == "apt"
+    assert pick("debian 12", "active", python3=python)[0] == "active"
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """Python that finds a dolfinx of a version and of a type of numbers, other modules beside."""
+
+    def made(version, scalar="float64", *others):
+        texts = {
+            "mpi4py": "MPI = None",
+            "petsc4py": f"class PETSc:\n    from numpy import {scalar} as ScalarType",
+            "dolfinx": f"__version__ = {version!r}",
+            **dict.fromkeys(others, ""),
+        }
+        folder = tmp_path / "modules"
+        folder.mkdir()
+        for name, text in texts.items():
+            (folder / f"{name}.py").write_text(text + "\n")
+        return f'PYTHONPATH={folder} exec {sys.executable} "$@"'
+
+    return made
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("0.10.0", "complex128"), "has PETSc with numbers of type complex128, not float64"),
+        (("0.10.0", "float32"), "has PETSc with numbers of type float32, not float64"),
+        (("0.5.1",), "has dolfinx 0.5.1, older than 0.5.2"),
+    ],
+)
+def test_an_active_environment_is_asked_what_it_has(given, said, pick, environment):
+    python = environment(*given)
+    picked, _, why = pick("debian 12", python3=python)
+    assert picked == "apt" and why.endswith(f"/python3 {said}")
+    assert f"WITH=active is not possible: {why.split(', and ')[1]}" in pick(
+        "debian 12", "active", python3=python
+    )
+
+
+@pytest.mark.parametrize("version", ["0.5.2", "0.10.0.post1", "0.11.0"])
+def test_an_active_environment_that_will_do(version, pick, environment):
+    """Also where its dolfinx is the wheel of PyPI."""
+    python = environment(version, "float64", "dolfinx_solver")
+    assert pick("debian 12", python3=python) == (
+        *("active", "python3"),
+        f"the active environment has dolfinx {version}",
+    )
+
+
+def test_a_venv_on_top_is_told_where_mpi_is(finder, tmp_path):
+    """An mpi4py that looks for libmpi in the environment that runs would find none there."""
+    library, package = finder.library(), tmp_path / "mpi4py"
+    package.mkdir()
+    for name, text in {
+        "__init__": "",
+        "_mpiabi": "",
+        "MPI": f"from ctypes import CDLL\nCDLL({str(library)!r})",
+    }.items():
+        (package / f"{name}.py").write_text(text + "\n")
+    done = subprocess.run(
+        [sys.executable, ROOT / ".ci/beneath"],
+        env=outside() | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    lines = done.stdout.splitlines()
+    assert f"import site; site.addsitedir({str(tmp_path)!r})" in lines
+    assert f"import os; os.environ.setdefault('MPI4PY_LIBMPI', {str(library)!r})" in lines
+
+
 @pytest.mark.parametrize("system", ["debian 11", "ubuntu 22.04", "fedora"])
 def test_the_wheel_where_the_system_has_none(pick, system):
     assert pick(system, **{"python3.12": NEW})[:2] == ("wheel", "python3.12")
+
+
+@pytest.mark.parametrize(
+    ("version", "serves"),
+    [((3, 11, 9), False), ((3, 12, 0), True), ((3, 13, 1), False), ((3, 13, 2), True)]
+    + [((3, 14, 0), True), ((3, 15, 0), False)],
+)
+def test_pythons_that_the_wheel_runs_on(version, serves, pick):
+    """3.13.0 and 3.13.1 never free a mesh."""
+    pretend = f"import sys; sys.version_info = {version}; exec(sys.argv[1])"
+    python = f'[ "$1" = -c ] && exec {sys.executable} -c "{pretend}" "$2"'
+    picked = pick("fedora", "wheel", **{"python3.13": python})
+    assert picked[0] == "wheel" if serves else picked.startswith("setup: WITH=wheel is not")
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from tests.motion.capture.made_up import (
     GAIT2392,
     HELEN_HAYES,
     IOR,
+    PLUG_IN,
     PLUG_IN_MARKERS,
     POSE2SIM,
     walker,
@@ -30,6 +31,7 @@ pytestmark = pytest.mark.serial
 SETS = {
     "ior": IOR,
     "helen-hayes": HELEN_HAYES,
+    "plug-in-gait": PLUG_IN,
     "plug-in-gait-markers": PLUG_IN_MARKERS,
     "cmu": CMU,
     "joint-centres": POSE2SIM,

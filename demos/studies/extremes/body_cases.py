@@ -170,7 +170,6 @@ def over_rod(radius, samples, seconds=0.12):
     out = cloth_on(stepper, body, seconds, samples=samples)
     free = 0.01 - 0.5 * G * seconds**2
     out["caught"] = bool(out["points"][:, 2].max() > free + 1e-3)
-    out["notes"] = out["touch"].notes
     return out
 
 

@@ -115,8 +115,8 @@ def _motion(text, width, path):
             f"{path}: {len(rest)} numbers for {count} frames of {width} channels; the file is cut "
             "off, copy it again, or correct 'Frames:'"
         )
-    if count < 2:
-        raise ValueError(f"{path}: {count} frames; at least two are needed")
+    if count < 1:
+        raise ValueError(f"{path}: {count} frames; export the skeleton again")
     try:
         values = np.array(rest, float)
     except ValueError:

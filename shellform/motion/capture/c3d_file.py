@@ -17,7 +17,7 @@ import numpy as np
 from .c3d_contents import Contents, contents_of
 from .marker_table import Raw
 
-NO_PLACE = re.compile(r"(angles?|forces?|moments?|powers?|torques?|index)$", re.IGNORECASE)
+NO_PLACE = re.compile(r"(angles?|forces?|moments?|powers?|torques?|index|grf)$", re.IGNORECASE)
 NO_PLACE_GROUPS = ("ANGLE", "FORCE", "MOMENT", "POWER", "SCALAR", "REACTION", "TORQUE")
 SAME_RATE = 0.005  # relative, of the header and POINT:RATE
 AXES = ("x", "y", "z", "-x", "-y", "-z")
@@ -45,7 +45,7 @@ def read_c3d(path: str | Path) -> Raw:
     tracks[held.missing] = np.nan
     count = tracks.shape[1]
     labels, notes = held.texts.get("POINT:LABELS", [])[:count], []
-    if not labels or len(tracks) < 2:
+    if not labels or not len(tracks):
         raise ValueError(f"{path}: holds {len(labels)} points in {len(tracks)} frames, no motion")
     if len(labels) < count:
         notes.append(
@@ -103,7 +103,7 @@ def _of_poses(held: Contents, path: str | Path) -> Raw:
     labels = held.texts.get("ROTATION:LABELS", [])[: held.poses.shape[1]]
     use = [k for k, label in enumerate(labels) if not label.lower().startswith("world")]
     labels, poses = [labels[k] for k in use], held.poses[:, use]
-    if not labels or len(poses) < 2:
+    if not labels or not len(poses):
         raise ValueError(f"{path}: holds {len(labels)} poses in {len(poses)} frames, no motion")
     origins = poses[..., :3, 3].copy()
     origins[~np.isfinite(poses).all(axis=(2, 3))] = np.nan

@@ -10,9 +10,7 @@ times.
 import re
 from pathlib import Path
 
-import numpy as np
-
-from .marker_table import Raw, even_times, numbers_of
+from .marker_table import Raw, even_times, numbers_of, table_of
 from .motive_file import read_motive
 from .nexus_file import SECTIONS, read_nexus
 from .qtm_file import read_qtm
@@ -27,8 +25,8 @@ def read_csv(path: str | Path) -> Raw:
         lines.pop()
     while lines and not lines[0].strip():
         lines.pop(0)
-    if len(lines) < 3:
-        raise ValueError(f"{path}: a line of names and at least two frames are needed")
+    if len(lines) < 2:
+        raise ValueError(f"{path}: a line of names and frames of numbers are needed")
     separator = separator_of(max(lines[:12], key=len))
     words = [cells_of(line, separator)[:1] for line in lines]
     if torn and len(lines) > 4:
@@ -88,9 +86,7 @@ def _own(lines, separator, path):
                 "a cell is missing"
             )
         rows.append(numbers_of(cells, path, k))
-    if len(rows) < 2:
-        raise ValueError(f"{path}: a line of names and at least two frames are needed")
-    table = np.array(rows)
+    table = table_of(rows, path)
     times, positions, rate, notes = even_times(
         table[:, 0], table[:, 1:].reshape(len(rows), -1, 3), None, path
     )

@@ -2,7 +2,8 @@
 """Which marker files are read: a table from the ending of a file's name to its reader.
 
 A new format is one file with a function `path -> Raw` and one entry below. What a file holds is
-checked by its reader; what all formats share is in marker_table.py. Readers whose library is not
+checked by its reader; what all formats share is in marker_table.py, what labels have
+beside the name of a place in subject_labels.py. Readers whose library is not
 always installed import it when they are called, as c3d_contents.py does with ezc3d.
 """
 
@@ -15,7 +16,9 @@ import numpy as np
 from .bvh_file import read_bvh
 from .c3d_file import read_c3d
 from .csv_file import read_csv
-from .marker_table import Raw, named_once
+from .marker_table import Raw
+from .segment_map import SegmentMap
+from .subject_labels import subject_labels
 from .trc_file import read_trc
 
 
@@ -38,8 +41,13 @@ FORMATS = {
 }
 
 
-def read_table(path: str | Path) -> Raw:
-    """What a marker file holds, each label once, by the reader of its ending.
+def read_table(path: str | Path, map: SegmentMap | None = None) -> Raw:
+    """What a marker file holds, by the reader of its ending, with the labels of one subject.
+
+    Parameters
+    ----------
+    path : the file
+    map : SegmentMap that the labels are for, None: any of the shipped ones
 
     Raises
     ------
@@ -62,4 +70,4 @@ def read_table(path: str | Path) -> Raw:
             f"{path}: {raw.rate:.4g} frames a second from t = {raw.times[0]:.4g} s on are no "
             "capture; correct rate and times"
         )
-    return named_once(raw, path)
+    return subject_labels(raw, path, map)

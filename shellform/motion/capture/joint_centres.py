@@ -9,6 +9,7 @@
     { hip = "right", asis = [R, L], back = b }      Harrington et al. 2007; b: mid PSIS or sacrum
     { inward = a, by = L, proximal = p, across = [b, c], cluster = [..] }
                                                     joint centre L metres inward of marker a
+    { agree = [a, b], by = L }                      a, or b where these are further than L apart
 
 Inward: the centre J lies at L from the lateral marker a, in the plane of a, the joint above p and
 the joint's axis, with a right angle at J between p and a (the chord of Davis et al. 1991). The axis
@@ -33,6 +34,7 @@ RULES = {
     "normal": (("to", "across", "by"), ()),
     "hip": (("asis", "back"), ()),
     "inward": (("by", "proximal", "across"), ("cluster",)),
+    "agree": (("by",), ()),
 }
 
 
@@ -47,6 +49,8 @@ def references(rule: Rule) -> tuple[list[str], list[str]]:
     elif "normal" in rule:
         names = [*_texts([rule["normal"]], 1, "normal"), *_texts(rule["to"], 2, "to")]
         names += _texts(rule["across"], 2, "across")
+    elif "agree" in rule:
+        names = _texts(rule["agree"], 2, "agree")
     elif "hip" in rule:
         if rule["hip"] not in ("right", "left"):
             raise ValueError(f"hip is 'right' or 'left', not {rule['hip']!r}")
@@ -62,8 +66,9 @@ def references(rule: Rule) -> tuple[list[str], list[str]]:
 def lies_at(rule: Rule) -> list[str]:
     """Names of the markers and points beside which a rule's point lies, on the same part of the
     body; what only gives it a direction is not among them."""
-    if "midpoint" in rule:
-        return list(rule["midpoint"])
+    for kind in ("midpoint", "agree"):
+        if kind in rule:
+            return list(rule[kind])
     if "hip" in rule:
         return [*rule["asis"], rule["back"]]
     return [next(rule[kind] for kind in ("same", "offset", "normal", "inward") if kind in rule)]
@@ -83,6 +88,9 @@ def point(rule: Rule, at: Mapping[str, np.ndarray]) -> np.ndarray:
         return at[rule["same"]]
     if "midpoint" in rule:
         return np.mean([at[name] for name in rule["midpoint"]], axis=0)
+    if "agree" in rule:
+        first, second = rule["agree"]
+        return at[first if apart(at[first], at[second]) <= rule["by"] else second]
     if "offset" in rule:
         start, end = (at[name] for name in rule["along"])
         return at[rule["offset"]] + rule["by"] * _unit(end - start)
@@ -126,6 +134,11 @@ def hip_centre(
     return (
         middle - (0.24 * depth + 9.9e-3) * forward - (0.30 * width + 10.9e-3) * up + aside * right
     )
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> float:
+    """Median distance of two tracks (n, 3) [m]."""
+    return float(np.nanmedian(np.linalg.norm(one - other, axis=1)))
 
 
 def inward(

@@ -12,9 +12,13 @@ from itertools import chain
 
 import numpy as np
 
-from .joint_centres import lies_at, point, references
+from .joint_centres import apart, lies_at, point, references
+from .label_meanings import labels_in_use
 from .markers import Markers
 from .segment_map import SegmentMap, plain
+
+# how names of markers end that are joint centres
+CENTRES = ("_hip", "_knee", "_ankle", "_hip_joint")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +44,36 @@ class FittedMap:
 
     def points(self, tracks: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Points of the segments, segment -> (n, 3, 3) [m], from tracks (n, 3) by marker."""
-        at = dict(tracks)
-        for name, rule in self.rules.items():
-            at[name] = point(rule, at)
+        at = self._places(tracks)
         return {
             segment: np.stack([at[end] for end in ends], axis=1)
             for segment, ends in self.segments.items()
         }
+
+    def choices(self, tracks: Mapping[str, np.ndarray]) -> list[str]:
+        """What is to be told of joint centres: those of the file, and which of two is taken."""
+        at, notes, judged = self._places(tracks), [], []
+        for name, rule in self.rules.items():
+            if "agree" in rule:
+                first, second = rule["agree"]
+                off = apart(at[first], at[second])
+                taken = first if off <= rule["by"] else second
+                said = [self.labels.get(n, n.replace("_", " ")) for n in (first, second, taken)]
+                notes.append(
+                    f"{said[0]} and {said[1]} are {1e3 * off:.0f} mm apart: {said[2]} taken"
+                )
+                judged += [first, second]
+        own = [v for k, v in self.labels.items() if k.endswith(CENTRES) and k not in judged]
+        if own:
+            notes.append(f"joint centres of the file, not made from markers: {', '.join(own)}")
+        return notes
+
+    def _places(self, tracks):
+        """Tracks of markers and of all points made of them."""
+        at = dict(tracks)
+        for name, rule in self.rules.items():
+            at[name] = point(rule, at)
+        return at
 
     def beside(self, name: str) -> list[str]:
         """Markers beside which a point of the map lies, see `joint_centres.lies_at`."""
@@ -85,12 +112,7 @@ def try_map(
     -------
     FittedMap; dict, segment -> the first marker that it lacks
     """
-    by_plain = {plain(name): name for name in reversed(list(names)) if name not in without}
-    labels = {}
-    for key, spellings in map.markers.items():
-        found = [by_plain[plain(s)] for s in spellings if plain(s) in by_plain]
-        if found:
-            labels[key] = found[0]
+    labels = labels_in_use(map, [name for name in names if name not in without])
     rules, used, lacking = {}, {}, {}
 
     def ready(name):

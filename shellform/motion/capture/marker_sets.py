@@ -14,6 +14,7 @@ import numpy as np
 
 from shellform.errors import Mendable
 
+from .label_meanings import kind_of, labels_in_use, other_meaning
 from .map_fitting import closest, try_map
 from .markers import Markers
 from .segment_map import SHIPPED, SegmentMap, plain, segment_map, vocabulary
@@ -36,9 +37,22 @@ def fits(names: Collection[str]) -> list[Fit]:
     out = []
     for name in SHIPPED:
         map = segment_map(name)
-        words = vocabulary(map)
-        out.append(Fit(map, sum(plain(n) in words for n in names), try_map(map, names)[1]))
+        out.append(Fit(map, len(belonging(map, names)), try_map(map, names)[1]))
     return sorted(out, key=lambda fit: (bool(fit.lacks), -fit.explained))
+
+
+def belonging(map: SegmentMap, names: Collection[str]) -> list[str]:
+    """Labels that belong to a set; of several that may be one marker, the one in use.
+
+    `RKNE` and `RKnee` in one file are not both the lateral marker of the knee.
+    """
+    words, used = vocabulary(map), labels_in_use(map, names)
+    out = []
+    for name in names:
+        key = words.get(plain(name))
+        if key is not None and (not key or used[key] == name):
+            out.append(name)
+    return out
 
 
 def choose_map(markers: Markers, hint: bool = True) -> SegmentMap:
@@ -78,7 +92,10 @@ def require_set(names: Collection[str], source: str) -> None:
 def _refusal(ranked, names, empty, source, hint):
     """What the sets lack that explain most labels."""
     total, said = len(names), []
-    for fit in [fit for fit in ranked if fit.explained][:3] or ranked[:1]:
+    if not any(fit.explained for fit in ranked):
+        shown = ", ".join(f"'{name}'" for name in list(names)[:6]) + (", ..." if total > 6 else "")
+        said.append(f"none of the {total} labels belongs to a set ({shown})")
+    for fit in [fit for fit in ranked if fit.explained][:3]:
         segment, marker = next(iter(fit.lacks.items()))
         spellings = fit.map.markers[marker] or (marker,)
         said.append(
@@ -101,8 +118,7 @@ def set_notes(map: SegmentMap, names: Iterable[str]) -> list[str]:
     """What is to be told of a set that was chosen: labels it explains, and those that are joint
     centres in it and skin markers in another set, or the other way about."""
     names = list(names)
-    words = vocabulary(map)
-    known = [name for name in names if plain(name) in words]
+    words, known = vocabulary(map), belonging(map, names)
     notes = [f"map '{map.name}'"]
     if len(known) < len(names):
         rest = [name for name in names if name not in known]
@@ -110,31 +126,14 @@ def set_notes(map: SegmentMap, names: Iterable[str]) -> list[str]:
         notes.append(f"{len(known)} of {len(names)} labels belong to the set, not {shown}")
     else:
         notes.append(f"all {len(names)} labels belong to the set")
-    for centre, here, there in (
-        (False, "markers", "joint centres"),
-        (True, "joint centres", "markers"),
-    ):
-        odd, where = [], set()
-        for name in known:
-            key = words[plain(name)]
-            if not key.endswith(_JOINTS[centre]):
-                continue
-            for other in SHIPPED:
-                twin = vocabulary(segment_map(other)).get(plain(name), "")
-                if twin.endswith(_JOINTS[not centre]) and name not in odd:
-                    odd.append(name)
-                    where.add(other)
-        if odd:
-            shown = ", ".join(odd)
-            notes.append(f"{shown} taken for {here}, not the {there} they are in other sets")
+    told: dict[tuple[str, str], list[str]] = {}
+    for name in known:
+        marker = words[plain(name)]
+        if there := other_meaning(name, marker):
+            told.setdefault((kind_of(marker), there), []).append(name)
+    for (here, there), odd in told.items():
+        notes.append(f"{', '.join(odd)} taken for {here}, not the {there} they are in other sets")
     return notes
-
-
-# how names of places end: on the skin, and at the centre of the joint
-_JOINTS = {
-    False: ("_knee_lateral", "_ankle_lateral"),
-    True: ("_hip", "_knee", "_ankle"),
-}
 
 
 def regions(names: Collection[str], map: SegmentMap | None = None) -> dict[str, str]:
@@ -186,5 +185,6 @@ def _hips_of_skin(map, markers):
         return False
     (right, knee, _), (left, _, _) = ends
     right, knee, left = (markers.track(fitted.labels[name]) for name in (right, knee, left))
-    apart = np.linalg.norm(right - left, axis=1) / np.linalg.norm(right - knee, axis=1)
+    with np.errstate(all="ignore"):  # hip and knee in one place are refused later
+        apart = np.linalg.norm(right - left, axis=1) / np.linalg.norm(right - knee, axis=1)
     return bool(np.isfinite(apart).any() and np.nanmedian(apart) > HIPS_APART)

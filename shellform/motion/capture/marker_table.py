@@ -3,7 +3,7 @@
 
 A reader makes a `Raw` of labels, times and positions and interprets nothing but the layout: gaps
 are NaN, units and vertical are only what the file says of them. Here are the parts it is made with:
-numbers in cells, times on an even grid, every label once.
+numbers in cells, times on an even grid.
 """
 
 from pathlib import Path
@@ -55,14 +55,27 @@ def numbers_of(cells: list[str], path: str | Path, line: int) -> list[float]:
     return out
 
 
+def table_of(rows: list[list[float]], path: str | Path) -> np.ndarray:
+    """Rows of numbers as an array (n, columns); ValueError where there is none.
+
+    One frame is a table too, as of a static trial: `recording` asks for the two of a motion.
+    """
+    if not rows:
+        raise ValueError(f"{path}: no frame of numbers; export it again")
+    return np.array(rows)
+
+
 def even_times(
     times: np.ndarray, positions: np.ndarray, rate: float | None, path: str | Path
 ) -> tuple[np.ndarray, np.ndarray, float, list[str]]:
     """Frames on an even grid of times; frames that were left out become gaps.
 
     A rate from the header counts, as times are often rounded to 1 ms. Without it, times that
-    rounding can have put off an even grid are taken as one.
+    rounding can have put off an even grid are taken as one. One frame alone needs no rate, and gets
+    1 Hz without.
     """
+    if len(times) == 1:
+        return np.nan_to_num(times), positions, rate or 1.0, []
     steps = np.diff(times)
     if not np.isfinite(times).all() or not (steps >= 0).all() or times[-1] <= times[0]:
         bad = int(np.argmax(~(steps >= 0))) + 2
@@ -92,27 +105,3 @@ def even_times(
     out = np.full((length, *positions.shape[1:]), np.nan)
     out[place] = positions
     return times[0] + np.arange(length) / rate, out, rate, notes
-
-
-def named_once(raw: Raw, path: str | Path) -> Raw:
-    """Labels without prefix, each once; of two the one that holds numbers."""
-    short = [name.split(":")[-1].strip() for name in raw.names]
-    notes = list(raw.notes)
-    prefixes = sorted({n.split(":")[0].strip() for n in raw.names if ":" in n})
-    if prefixes:
-        notes.append(f"prefix {', '.join(prefixes)} taken off the labels")
-    full = np.isfinite(raw.positions).any(axis=(0, 2))
-    keep = []
-    for k, name in enumerate(short):
-        twins = [j for j, other in enumerate(short) if other == name]
-        holding = [j for j in twins if full[j]]
-        if len(holding) > 1:
-            raise ValueError(
-                f"{path}: two markers are called '{name}' ({', '.join(raw.names[j] for j in twins)}"
-                "); export one subject, or rename one"
-            )
-        if k == (holding or twins)[0]:
-            keep.append(k)
-    return raw._replace(
-        names=tuple(short[k] for k in keep), positions=raw.positions[:, keep], notes=tuple(notes)
-    )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .marker_table import Raw, even_times, number_of, numbers_of
+from .marker_table import Raw, even_times, number_of, numbers_of, table_of
 from .text_tables import cells_of
 
 KINDS = (("Marker",), ("Bone Marker", "Rigid Body Marker"), ("Bone",))
@@ -65,12 +65,10 @@ def read_motive(lines: list[str], separator: str, path: str | Path) -> Raw:
                 "cell is missing"
             )
         rows.append(numbers_of(cells, path, k))
-    if len(rows) < 2:
-        raise ValueError(f"{path}: {len(rows)} frames of numbers; at least two are needed")
+    table = table_of(rows, path)
     said = number_of(keys.get("total exported frames", ""))
     if said and said != len(rows):
         notes.append(f"the header says {said:.0f} frames, the file holds {len(rows)}")
-    table = np.array(rows)
     places = np.stack([table[:, columns[n] : columns[n] + 3] for n in labels], axis=1)
     rate = number_of(keys.get("export frame rate", "")) or number_of(
         keys.get("capture frame rate", "")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .marker_table import Raw, even_times, number_of, numbers_of
+from .marker_table import Raw, even_times, number_of, numbers_of, table_of
 from .text_tables import cells_of
 
 SECTIONS = ("Trajectories", "Model Outputs")
@@ -25,7 +25,7 @@ def read_nexus(lines: list[str], separator: str, path: str | Path) -> Raw:
             found[word[0]] = _section(lines, k, separator, path)
     main = found["Trajectories"]
     names, numbers, places, rate, unit = main
-    notes = []
+    notes = _cut_short(lines, separator, numbers)
     model = found.get("Model Outputs")
     if model is not None and model[0]:
         if model[3] == rate and np.array_equal(model[1], numbers) and model[4] == unit:
@@ -38,6 +38,22 @@ def read_nexus(lines: list[str], separator: str, path: str | Path) -> Raw:
         raise ValueError(f"{path}: section Trajectories names no marker over columns X, Y, Z")
     times, places, rate, more = even_times(numbers / rate, places, rate, path)
     return Raw(tuple(names), times, places, rate, unit, None, (*notes, *more))
+
+
+def _cut_short(lines, separator, numbers):
+    """A note where devices go on beyond the trajectories: the format has no number of frames."""
+    words = [line.split(separator or None, 1)[:1] for line in lines]
+    if ["Devices"] not in words:
+        return []
+    frames = [number_of(w[0]) if w else None for w in words[words.index(["Devices"]) + 5 :]]
+    end = next((k for k, frame in enumerate(frames) if frame is None or np.isnan(frame)), None)
+    last = max(frames[:end], default=0.0)
+    if last <= numbers[-1]:
+        return []
+    return [
+        f"the trajectories end at frame {numbers[-1]:.0f}, the devices at {last:.0f}: the file may "
+        "be cut off"
+    ]
 
 
 def _section(lines, top, separator, path):
@@ -73,9 +89,7 @@ def _section(lines, top, separator, path):
             )
         row = row[:width] + [""] * (width - len(row))
         rows.append(numbers_of(row, path, k))
-    if len(rows) < 2:
-        raise ValueError(f"{path}: {len(rows)} frames of numbers; at least two are needed")
-    table = np.array(rows)
+    table = table_of(rows, path)
     places = np.stack([table[:, k : k + 3] for k in use], axis=1) if use else np.zeros((0, 0, 3))
     return [head[k] for k in use], table[:, 0], places, rate, next(iter(said), None)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .marker_table import Raw, even_times, number_of, numbers_of
+from .marker_table import Raw, even_times, number_of, numbers_of, table_of
 from .text_tables import cells_of
 
 
@@ -45,9 +45,7 @@ def read_qtm(lines: list[str], separator: str, path: str | Path) -> Raw:
                 "cut off or a cell is missing"
             )
         rows.append(numbers_of(cells, path, k))
-    if len(rows) < 2:
-        raise ValueError(f"{path}: {len(rows)} frames of numbers; at least two are needed")
-    notes, table = [], np.array(rows)
+    notes, table = [], table_of(rows, path)
     said = number_of((keys.get("NO_OF_FRAMES") or [""])[0])
     if said and said != len(rows):
         notes.append(f"the header says {said:.0f} frames, the file holds {len(rows)}")

@@ -21,6 +21,7 @@ from shellform.motion.recording import SIDES, Recording
 from .formats import read_table
 from .gait_events import facts
 from .gaps_and_spikes import filled, low_pass, rigid_legs, without_spikes
+from .label_meanings import require_one_meaning
 from .marker_sets import choose_map, regions, require_set, set_notes
 from .markers import Markers, to_markers
 from .noise import noise_note
@@ -95,7 +96,7 @@ def read_motion(
     """
     if map is not None and not isinstance(map, SegmentMap):
         map = segment_map(map)
-    raw = read_table(file)
+    raw = read_table(file, map)
     if map is None and static is None:
         require_set(raw.names, str(file))
     markers = to_markers(raw, str(file), regions(raw.names, map), unit, up)
@@ -128,7 +129,7 @@ def read_markers(
     ImportError
         When a C3D file is asked for and ezc3d is not installed.
     """
-    raw = read_table(path)
+    raw = read_table(path, map)
     return to_markers(raw, str(path), regions(raw.names, map), unit, up)
 
 
@@ -159,6 +160,11 @@ def recording(
         second for the cutoff, nobody moves that fast, or M lies within 10 mm of J1-J2.
     """
     source = markers.source
+    if len(markers.times) < 2:
+        raise Mendable(
+            f"{source}: one frame is no motion",
+            "pass a capture with two at least; one frame is enough as {static:standing.trc}",
+        )
     if cutoff is not None and not 0 < cutoff < 0.4 * markers.rate:
         raise Mendable(
             f"{source}: cutoff must lie between 0 and {0.4 * markers.rate:.4g} Hz at "
@@ -171,6 +177,7 @@ def recording(
         map = segment_map(map)
     use = _window(markers, window)
     fitted, frames, said = seen(map, markers, use, max_gap)
+    require_one_meaning(map, fitted.labels, markers)
     notes = [*markers.notes, *set_notes(map, markers.names), *fitted.notes, *said]
     times = markers.times[frames]
     tracks = {name: markers.track(label)[frames].copy() for name, label in fitted.labels.items()}
@@ -179,6 +186,7 @@ def recording(
     with np.errstate(all="ignore"):  # markers that coincide are refused by what comes of them
         points = fitted.points(tracks)
     require_shape(points, times, source)
+    notes += fitted.choices(tracks)
     if mirrored(points):
         tracks = {_other(name, tracks): track for name, track in tracks.items()}
         points = fitted.points(tracks)

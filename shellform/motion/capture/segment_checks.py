@@ -16,6 +16,9 @@ from .gait_events import forward
 
 LEVER = 0.010  # least distance of M from the line J1-J2 [m]
 SHORTEST = 0.01  # of a segment [m]
+# knees or ankles past each other that are no swapped labels [m]: who balances, or walks on a line,
+# crosses them by less; swapped ones are off by the base of a gait, some 80 mm and more
+CROSSED = 0.03
 FASTEST = 30.0  # a kicking foot moves at 20 to 25 m/s
 
 
@@ -54,7 +57,7 @@ def require_sides(points: Mapping[str, np.ndarray], source: str) -> None:
         if len(pair) < 2:
             continue
         apart = np.median(np.sum((pair[0] - pair[1])[:, 1] * right, axis=1))
-        if apart < 0:
+        if apart < -CROSSED:
             raise ValueError(
                 f"{source}: pelvis and legs disagree about right and left, as the end of "
                 f"right_{part} is {-1e3 * apart:.0f} mm left of the other; swap these labels"

@@ -24,8 +24,11 @@ from .markers import Markers
 from .segment_map import SegmentMap
 
 REACH = 0.17  # of a limb's axis to its markers [m]
-# of a limb's length, where its markers are; those where it begins are on the limb above
-ON_LIMB = (0.04, 1.12)
+# of a limb's length, where its markers are; those where it begins are on the limb above, those
+# beyond its end, as at the head of the fibula, on the limb below
+ON_LIMB = (0.04, 1.06)
+# beyond this part of its length a shank is slim [m]: what is further off is on the foot
+AT_ANKLE = (0.9, 0.07)
 ON_FOOT = (-0.4, 1.4)  # of the length from heel to toe
 TRUNK = 0.32  # of the middle of the pelvis to its markers [m]
 FOOT = 0.12  # of the foot's axis to its markers [m]
@@ -181,7 +184,10 @@ class _Trials:
         low, high = ON_FOOT if foot else ON_LIMB
         if not low <= share <= high:
             return np.inf
-        return np.linalg.norm(place - a - share * axis) / (FOOT if foot else REACH)
+        off = np.linalg.norm(place - a - share * axis)
+        if segment.endswith("_shank") and share > AT_ANKLE[0] and off > AT_ANKLE[1]:
+            return np.inf
+        return off / (FOOT if foot else REACH)
 
     def _rigid(self, labels):
         """Without those that move against the others, one after another."""

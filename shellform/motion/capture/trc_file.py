@@ -9,9 +9,7 @@ rate is the header's, and what differs is noted. Any encoding, tabs, semicolons,
 
 from pathlib import Path
 
-import numpy as np
-
-from .marker_table import Raw, even_times, number_of, numbers_of
+from .marker_table import Raw, even_times, number_of, numbers_of, table_of
 from .text_tables import cells_of, separator_of, text_of, unended, with_points
 
 
@@ -45,8 +43,7 @@ def read_trc(path: str | Path) -> Raw:
         rows.append(_row(cells, width, path, k))
         used.append(len(cells))
         ends.append(max((j for j, c in enumerate(cells) if c), default=0))
-    if len(rows) < 2:
-        raise ValueError(f"{path}: {len(rows)} frames of numbers; at least two are needed")
+    numbers = table_of(rows, path)
     said, whole = header.get("numframes"), max(set(used), key=used.count)
     torn = [k for k in range(len(rows)) if used[k] < whole and (ends[k] - 1) % 3]
     cut = not text.endswith("\n") and (used[-1] < whole or (said and len(rows) < said))
@@ -58,15 +55,15 @@ def read_trc(path: str | Path) -> Raw:
             "NumFrames"
         )
     notes = told
-    if not said and unended(text):
+    if not said and len(rows) > 1 and unended(text):
         rows.pop()
+        numbers = numbers[:-1]
         notes.append("the last line has no end and is left out")
     if said and len(rows) != said:
         notes.append(f"the header says {said:.0f} frames, the file holds {len(rows)}")
     said = header.get("nummarkers")
     if said and len(labels) != said:
         notes.append(f"the header says {said:.0f} markers, the file names {len(labels)}")
-    numbers = np.array(rows)
     rate = header.get("datarate") or header.get("camerarate")
     times, positions, rate, more = even_times(
         numbers[:, 1], numbers[:, 2:].reshape(len(rows), -1, 3), rate, path

@@ -7,11 +7,11 @@ import pytest
 from contact.body.segments import Body, Fixed, Segment, Steady, turned
 from contact.geometry.capsule import Capsule
 from contact.solver.active_set import begin, judge_kernel
-from contact.solver.cell_samples import too_thin
 from contact.solver.friction import Friction
 from contact.solver.held_nodes import SLIP, STICK, new
 from contact.solver.segment_motion import segment_records, set_motion
 from contact.solver.step_record import step_record
+from contact.solver.thin_segments import refusal
 from contact.solver.velocity_correction import VelocityCorrection
 from tests.contact.solver.bodies import LIMB, G, random_axes
 
@@ -157,4 +157,4 @@ def test_semi_axes_are_only_those_of_ellipsoids():
     assert np.array_equal(body.segments[1].radii, LIMB)
     with pytest.raises(ValueError, match="segment 'bar' is no ellipsoid but a Capsule"):
         body.radii
-    assert "'bar' is 100 mm thick" in too_thin(body, 0.25)[0]
+    assert "'bar' and 1 more, 100 mm thick" in refusal(body.names, body.shapes, 0.25, 0.2, 0.0)

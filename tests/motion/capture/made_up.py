@@ -127,6 +127,7 @@ def walker(labels, speed=1.2, bend=0.0, seconds=3.5, rate=100.0, twist=0.0):
             "s1": along(knee, (calf, 0.10), (shin, 0.06), (out, 0.05)),
             "s2": along(knee, (calf, 0.20), (shin, 0.05), (out, -0.03)),
             "s3": along(knee, (calf, 0.24), (shin, -0.04), (out, 0.05)),
+            "midfoot": along(ankle, (ahead, 0.065), (up, -0.02), (out, -0.045)),
             "toe_in": along(toe, (out, -0.05), (ahead, 0.03)),
             "sacrum": along(place, (ahead, -PD)), "neck": along(place, (up, 0.5)),
             "shoulder": along(place, (up, 0.5), (out, 0.18)),

@@ -121,6 +121,41 @@ def test_exports_cut_in_half(tmp_path, program):
         assert any("header says" in note or "no end" in note for note in notes), notes
 
 
+HEADED = ("motive", "nexus", "qtm")
+
+
+@pytest.mark.parametrize("program", [*HEADED, "trc", "bvh"])
+@pytest.mark.parametrize("lost", [1, 40])
+def test_cut_at_the_end_of_a_line(tmp_path, program, lost):
+    """Whole lines that are missing are told where the header, or another section, has more: a
+    number of frames in all formats but CSV of one's own; the devices in Nexus'."""
+    names, tracks, _ = walker(BMC, rate=RATE)
+    path = tmp_path / "walk.txt"
+    if program in HEADED:
+        ending, write = PROGRAMS[program]
+        text = write(names, tracks)
+    elif program == "trc":
+        ending, text = "trc", write_trc(path, names, 1000 * tracks, rate=RATE).read_text()
+    else:
+        ending, text = "bvh", skeleton()[0]
+    if program == "nexus":
+        head, rest = text.split("\r\n\r\nModel")[0].split("Trajectories")
+        more = "".join(f"{k + 5},0,1,2,3\r\n" for k in range(len(tracks)))
+        text = head.replace("1,1,1.0,2.0,3.0\r\n", more) + "Trajectories" + rest + "\r\n"
+    path = tmp_path / f"walk.{ending}"
+    path.write_text(text, newline="")
+    words = ("header says", "may be cut off", "the file is cut off")
+    if program != "bvh":
+        assert not any(w in n for n in read_table(path).notes for w in words)
+    lines = text.splitlines(keepends=True)
+    path.write_text("".join(lines[:-lost]), newline="")
+    try:
+        notes = read_table(path).notes
+    except ValueError as error:
+        notes = (str(error),)
+    assert any(w in n for n in notes for w in words), notes
+
+
 ENCODINGS = ("utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp1252")
 
 
@@ -178,7 +213,7 @@ def skeleton(names=("Hips", "{side}UpLeg", "{side}Leg", "{side}Foot", "{side}Toe
     turn = 10 * np.sin(2 * np.pi * t)
     place = np.stack([0 * t, 95 + 2 * np.cos(4 * np.pi * t), 120 * t], axis=1)
     values += [*place.T, 0 * t, 0 * t, turn]
-    pelvis = Rotation.from_euler("Y", turn, degrees=True)
+    pelvis = Rotation.from_euler("Y", turn[:, None], degrees=True)
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
         phase = 2 * np.pi * t + (np.pi if sign > 0 else 0.0)
         swing, flex = -20 * np.sin(phase), 20 * (1 + np.cos(phase))
@@ -190,8 +225,8 @@ def skeleton(names=("Hips", "{side}UpLeg", "{side}Leg", "{side}Foot", "{side}Toe
         lines += ["End Site", "{", "OFFSET 0 0 5", "}"] + ["}"] * 4
         zero = 0 * t
         values += [zero, swing, zero, zero, flex, zero, zero, zero, zero, zero, zero, zero]
-        thigh = pelvis * Rotation.from_euler("X", swing, degrees=True)
-        shank = thigh * Rotation.from_euler("X", flex, degrees=True)
+        thigh = pelvis * Rotation.from_euler("X", swing[:, None], degrees=True)
+        shank = thigh * Rotation.from_euler("X", flex[:, None], degrees=True)
         h = place + pelvis.apply([9 * sign, -5, 0])
         k = h + thigh.apply([0, -100 * THIGH, 0])
         truth[side.lower()] = {"hip": h, "knee": k, "ankle": k + shank.apply([0, -100 * SHANK, 0])}

@@ -16,6 +16,7 @@ from tests.motion.capture.made_up import (
     KINECT,
     LATERAL,
     OPENCAP,
+    PLUG_IN,
     PLUG_IN_MARKERS,
     POSE2SIM,
     RAJAGOPAL,
@@ -116,6 +117,20 @@ def test_theia_poses_of_segments(tmp_path, twist):
         found = rec.points[f"{side}_thigh"][:, 2] - truth[side]["knee"]
         cosine = np.sum(found * lateral, axis=1) / np.linalg.norm(found, axis=1)
         assert (cosine / np.linalg.norm(lateral, axis=1)).min() > 1 - 1e-6
+
+
+def test_model_points_and_markers_of_plug_in_gait(tmp_path):
+    """With and without its model points the walker's recording is the same to 1e-12 m, and so is
+    what the clothing is moved by; which are used is told (test_label_families.py)."""
+    names, tracks, _ = walker(PLUG_IN)
+    keep = [k for k, n in enumerate(names) if not n.endswith(("FEP", "FEO", "TIO"))]
+    points = read_motion(write_trc(tmp_path / "points.trc", names, 1000 * tracks))
+    markers = [names[k] for k in keep]
+    alone = read_motion(write_trc(tmp_path / "markers.trc", markers, 1000 * tracks[:, keep]))
+    assert "map 'plug-in-gait'" in points.notes and "map 'plug-in-gait-markers'" in alone.notes
+    assert points.points.keys() == alone.points.keys()
+    for segment, track in points.points.items():
+        assert np.abs(alone.points[segment] - track).max() < 1e-12, segment
 
 
 def test_what_one_label_is_taken_for_is_told(tmp_path):

@@ -151,3 +151,21 @@ def test_maps_are_checked(tmp_path, old, new, match):
     assert str(path) in str(error.value)
     with pytest.raises(ValueError, match=r"no map 'media'; there are .*medial"):
         segment_map("media")
+
+
+def test_feet_that_cross_on_a_line_are_no_swapped_labels(tmp_path):
+    """Ankles 20 mm past each other, as on a beam: read. As far as swapped ones are: refused."""
+    names, tracks, truth = walker(BMC)
+    lower = [n.split(".")[1] in ("Ankle", "Heel", "MT2", "MT5") for n in names]
+    apart = (truth["right"]["ankle"] - truth["left"]["ankle"])[0, 1]
+    for cross, fits in ((0.02, True), (0.08, False)):
+        shifted = tracks.copy()
+        for k, name in enumerate(names):
+            if lower[k]:
+                shifted[:, k, 1] -= 0.5 * (apart - cross) * (1 if name[0] == "R" else -1)
+        path = write_trc(tmp_path / "walk.trc", names, 1000 * shifted)
+        if fits:
+            assert len(read_motion(path).times) == len(tracks)
+        else:
+            with pytest.raises(ValueError, match="disagree about right and left"):
+                read_motion(path)

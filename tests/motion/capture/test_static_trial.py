@@ -11,10 +11,12 @@ from tests.motion.capture.made_up import (
     GAIT2392,
     HELEN_HAYES,
     TAKEN_OFF,
+    WRITERS,
     walker,
     write_trc,
     y_up,
 )
+from tests.motion.capture.test_exports import motive, nexus, qtm
 
 EXACT = 1e-4  # m; the bar is 0.1 mm
 
@@ -49,6 +51,41 @@ def test_knees_and_ankles_by_clusters(tmp_path, twist):
             off = rec.joint_centre(f"{side}_{joint}") - truth[side][joint]
             assert np.linalg.norm(off, axis=1).max() < EXACT, (side, joint)
         assert f"{side}_foot" in rec.points
+
+
+@pytest.mark.parametrize("ending", ["trc", "csv", "c3d", "motive.csv", "nexus.csv", "qtm.tsv"])
+def test_a_static_trial_of_one_frame(tmp_path, ending):
+    """Exported as a mean of its frames: read from every format of markers, and no motion by
+    itself."""
+    walk, _, truth = trials(tmp_path, GAIT2392)
+    names, tracks, _ = walker(GAIT2392, seconds=0.01)
+    path, unit = tmp_path / f"standing.{ending}", 1000.0
+    if ending in WRITERS:
+        WRITERS[ending](path, names, unit * tracks, unit="mm")
+    else:
+        text = {"motive.csv": motive, "nexus.csv": nexus, "qtm.tsv": qtm}[ending](names, tracks)
+        path.write_text(text, newline="")
+    assert len(read_markers(path).times) == 1
+    rec = read_motion(walk, path, cutoff=None, rigid=False)
+    for joint in ("right_knee", "left_ankle"):
+        side, name = joint.split("_")
+        assert np.linalg.norm(rec.joint_centre(joint) - truth[side][name], axis=1).max() < EXACT
+    with pytest.raises(ValueError, match=r"one frame is no motion.*static="):
+        read_motion(path)
+
+
+def test_a_marker_of_the_midfoot_is_none_of_the_shank(tmp_path):
+    """It lies 80 mm beside the ankle and hardly moves against the shank while a foot is flat, as in
+    the first frames of gait2392's walk: the ankle would follow the foot."""
+    labels = {**GAIT2392, "midfoot": "{S}.Midfoot.Sup"}
+    walk, _, truth = trials(tmp_path, labels, seconds=0.06)
+    names, tracks, _ = walker(labels, seconds=0.01)
+    static = write_trc(tmp_path / "standing.trc", names, 1000 * y_up(tracks))
+    rec = read_motion(walk, static, cutoff=None, rigid=False)
+    by = [n.split(" by ")[1] for n in rec.notes if n.startswith("R.Ankle.Lat")]
+    assert by and "Midfoot" not in by[0], by
+    off = rec.joint_centre("right_ankle") - truth["right"]["ankle"]
+    assert np.linalg.norm(off, axis=1).max() < EXACT
 
 
 def test_clusters_with_noise_and_gaps(tmp_path):
