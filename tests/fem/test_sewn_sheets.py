@@ -95,7 +95,7 @@ def test_a_flap_is_a_cantilever(degrees, bar):
     assert errors[1] < bar and errors[1] < 0.6 * errors[0]
 
 
-@pytest.mark.parametrize("model", ["relaxed", "particles"])
+@pytest.mark.parametrize("model", ["relaxed", pytest.param("particles", marks=pytest.mark.serial)])
 def test_energy_of_a_patch_in_other_models(model):
     """Stretched evenly, or let go, the patch adds its share; a slack membrane bears little."""
     plain, sewn, share = sheets()
