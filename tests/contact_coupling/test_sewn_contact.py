@@ -32,7 +32,10 @@ def patched(over):
     [(True, False, "resolved"), (False, True, "relaxed"), (False, False, "relaxed")],
 )
 def test_weight_is_carried_from_either_side(over, turned, wrinkles):
-    """A sphere below holds sheet and patch, whichever side faces it, to 0.1 %."""
+    """A sphere below holds sheet and patch, whichever side faces it.
+
+    To 0.2 %: after 2.4 s the sheet still creeps; that momentum closes says where the rest is.
+    """
     surface = patched(over)
     if turned:
         # the other side down, the same place
