@@ -22,7 +22,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from meshes import Surface
-from shellform.material.energy import StVenant, is_quadratic
+from shellform.material.energy import StVenant
 from shellform.material.sheet import Sheet
 from shellform.material.wrinkling import WRINKLED
 
@@ -36,6 +36,9 @@ from .wrinkle_field import Wrinkling, crests, wrinkle_strain
 from .wrinkles import Wrinkles
 
 if TYPE_CHECKING:
+    from shellform.material.friction import ClothFriction
+
+    from .cell_stress import CellStress
     from .relaxed_law import Relaxed
 
 NOT_RELAXED = "a sheet with wrinkles='resolved' has no cells that wrinkle: take wrinkles='relaxed'"
@@ -55,6 +58,7 @@ class CellMembrane:
     ----------
     wrinkles : Wrinkles, None if resolved
     law : MembraneLaw
+    sliders : Sliders of friction inside the cloth, or None
     B, modes, area : of the cells, see `six_lengths`
     """
 
@@ -78,6 +82,7 @@ class CellMembrane:
         self.wrinkles: Wrinkles | None = None
         self._points, self._given = points, np.zeros(len(points))
         self.law: MembraneLaw
+        self.sliders: Sliders | None = None
         self._relaxed: Relaxed | None = None
         if relaxed:
             # only here: its law is a kernel, and statics of other sheets need no compiler of those
@@ -86,7 +91,7 @@ class CellMembrane:
             self.wrinkles = Wrinkles(fabric, np.sqrt(self.area))
             self._forms.arcs = self.wrinkles.arcs
             self.law = self._relaxed = Relaxed(self._stiffness, self.wrinkles)
-        elif is_quadratic(law, "membrane"):
+        elif law.is_quadratic("membrane"):
             self.law = Quadratic(self._stiffness)
         else:
             self.law = Density(mesh, law, self._stiffness)
@@ -154,13 +159,16 @@ class CellMembrane:
         out: np.ndarray,
         w: np.ndarray,
         stress_from: tuple[np.ndarray, np.ndarray] | None = None,
+        rubbing: bool = True,
     ) -> None:
         """Add the nodal forces to `out` (6 n_local,), ghosts included.
 
         `stress_from` is (w_, dw_): the stress of the lengths linearised about w_; None: exact.
+        `rubbing`: with the forces of the sliders.
         """
         cells = self._cells(w)
-        forces = self._forms.force(cells, self._pulls(self._stressing(cells, stress_from)))
+        pulls = self._pulls(self._stressing(cells, stress_from), rubbing)
+        forces = self._forms.force(cells, pulls)
         np.add.at(out, self._index.reshape(-1), forces.reshape(-1))
 
     def add_damping(self, out: np.ndarray, w: np.ndarray, rates: np.ndarray) -> None:
@@ -182,9 +190,12 @@ class CellMembrane:
         """Add the derivative of `add_force` to a matrix of the space, not yet assembled."""
         cells = self._cells(w)
         s = self._lengths(cells)
-        _, _, tangent = self.law(np.einsum("mij,mj->mi", self.B, s))
+        E = np.einsum("mij,mj->mi", self.B, s)
+        _, _, tangent = self.law(E)
+        if self.sliders is not None:
+            tangent = tangent + self.sliders(E)[1]
         if self.wrinkles is not None:
-            tangent += SPARE_STIFFNESS * self._stiffness
+            tangent = tangent + SPARE_STIFFNESS * self._stiffness
         stiffness = np.einsum("mki,mkj->mij", self.modes, self.modes)
         stiffness += self.area[:, None, None] * (self.B.transpose(0, 2, 1) @ tangent @ self.B)
         rates = self._forms.rates(cells)
@@ -211,10 +222,38 @@ class CellMembrane:
         before, step = (self._cells(field) for field in stress_from)
         return self._lengths(before) + self._forms.change(before, step)
 
-    def _pulls(self, s):
-        _, stress, _ = self.law(np.einsum("mij,mj->mi", self.B, s))
+    def _pulls(self, s, rubbing=True):
+        E = np.einsum("mij,mj->mi", self.B, s)
+        _, stress, _ = self.law(E)
+        if rubbing and self.sliders is not None:
+            stress = stress + self.sliders(E)[0]
         pulls = self.area[:, None] * np.einsum("mij,mi->mj", self.B, stress)
         return pulls + np.einsum("mki,mkj,mj->mi", self.modes, self.modes, s)
+
+
+class Sliders:
+    """Friction in the strains of a membrane at the present slips (material/friction.py).
+
+    Parameters
+    ----------
+    friction : ClothFriction; cells : CellStress, which has the slips
+    """
+
+    def __init__(self, friction: ClothFriction, cells: CellStress):
+        self._elements, self._cells = friction.elements()[:3], cells
+
+    def __call__(self, E: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Stress (m, 3) and tangent (m, 3, 3) [N/m] of strains (m, 3); nothing slips for good."""
+        stress, tangent = np.zeros_like(E), np.zeros((len(E), 3, 3))
+        slips, at = self._cells.slips, 0
+        for j, pairs in enumerate(self._elements):
+            for k, m, g in pairs:
+                free, most = k * (E[:, j] - slips[:, at]), m + g * np.abs(E[:, j])
+                stress[:, j] += np.clip(free, -most, most)
+                slope = g * np.sign(E[:, j]) * np.sign(free)
+                tangent[:, j, j] += np.where(np.abs(free) < most, k, slope)
+                at += 1
+        return stress, tangent
 
 
 def cell_warp(surface: Surface, fabric: Sheet, partition: Partition) -> np.ndarray | None:

@@ -16,7 +16,8 @@ FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silen
 grouped by rule and every rule becomes a form of its own. The six lengths of a quad belong to the
 cell, not to a point: cell_membrane.py has them.
 
-A law that is not quadratic in a strain gives the density of that strain's Term (terms.py). Where a
+A law that is not quadratic in a strain gives the density of that strain's Term (terms.py); measured
+curves bend quads in their middle, friction inside the cloth acts there, see cell_stress.py. Where a
 quadratic energy is shared out over several rules, or couples strains, it stays, and what the law
 has beyond it is added at 2x2 Gauss points: modes that these do not see are held by the quadratic
 part.
@@ -64,6 +65,7 @@ RULES: dict[str, list[tuple[float, float, float]]] = {
     "lines1": product_rule(GAUSS2, SIMPSON),
     "lines2": product_rule(SIMPSON, GAUSS2),
     "vertices": [(0, 0, 1 / 6), (1, 0, 1 / 6), (0, 1, 1 / 6)],
+    "centroid": [(1 / 3, 1 / 3, 1 / 2)],
 }
 
 
@@ -120,6 +122,13 @@ def energy_terms(
         *("shear", gamma, lambda p, q: cap * ufl.dot(M * p, S * (M * q)), corners),
         of_law.whole("shear", cap),
     )
+    both = of_law.both()
+    if both is not None:
+        # sides of a triangle measure arcs at its corners; six lengths of a quad are of no point
+        arcs = triangle and membrane == "arcs"
+        pair = [strains.membrane_arcs if arcs else strains.membrane_chords, kappa]
+        product = stacked_product(V, [[A, None], [None, D]])
+        return [shear, Term("membrane and bending", stacked(pair), product, inside, both)]
     if b is not None or thick:
         # products of membrane and bending strain: a positive energy needs common points
         measures: list[Callable] = [strains.membrane_chords, kappa, strains.director_strain]
@@ -133,18 +142,71 @@ def energy_terms(
             *of_law.beyond("membrane", name, measures[0], inside),
             *of_law.beyond("bending", name, measures[1], inside),
         ]
-    bending = Term("bending", kappa, stacked_product(V, [[D]]), inside, of_law.whole("bending"))
-    if has_six_lengths(surface, fabric, membrane, thick):
-        return [shear, bending]
+    product = stacked_product(V, [[D]])
+    bent = [Term("bending", kappa, product, inside, of_law.whole("bending"))]
+    if law.in_the_middle and not triangle:
+        beyond = of_law.beyond("bending", "bending", kappa, "centre")
+        bent = [Term("bending", kappa, product, inside), *beyond]
+    if has_six_lengths(surface, fabric, membrane, thick, law):
+        return [shear, *bent]
     arcs = membrane == "arcs"
     eps, place = (strains.membrane_arcs, corners) if arcs else (strains.membrane_chords, inside)
     stretching = Term("membrane", eps, stacked_product(V, [[A]]), place, of_law.whole("membrane"))
-    return [shear, stretching, bending]
+    return [shear, stretching, *bent]
 
 
-def has_six_lengths(surface: Surface, fabric: Sheet, membrane: str, thick: bool) -> bool:
+def friction_terms(mesh: Mesh, surface: Surface, fabric: Sheet, slips: Function) -> list[Term]:
+    """Terms of friction inside the cloth in the middle of cells, as of an implicit step.
+
+    The density of a slider at the slip p is k x^2/2 while it sticks, x = e - p, and where it slips
+    the integral of its yield stress (Huber's function): its derivative is the stress that the
+    slider has once it has slipped. It is not continuous, as only derivatives are taken.
+
+    Parameters
+    ----------
+    mesh, surface, fabric : as for `energy_terms`, of triangles or quads in their default form
+    slips : field of a number a slider and cell, strain by strain, see `ClothFriction.table`
+
+    That of the membrane of quads by six lengths is not among them, as it belongs to no point.
+    """
+    V = strains.voigt(strains.lamina(mesh, warp_field(mesh, surface.warp)))
+    triangle = surface.kind == "triangle"
+    rule = "centroid" if triangle else "centre"
+    measures = {3: strains.curvature_turning_sides if triangle else strains.curvature_turning}
+    if triangle:
+        measures[0] = strains.membrane_arcs
+    assert fabric.friction is not None
+    elements, counts = fabric.friction.elements(), fabric.friction.counts()
+    terms = []
+    for first, strain in measures.items():
+        if sum(counts[first : first + 3]):
+            density = huber(V, elements[first : first + 3], slips, sum(counts[:first]))
+            terms.append(Term("friction", strain, None, rule, density))
+    return terms
+
+
+def huber(V: Expr, elements: list, slips: Function, place: int) -> Callable:
+    """Density of the sliders of three strains, whose slips begin at a place of the field."""
+
+    def density(e):
+        strain, at, stored = V * e, place, 0.0
+        for j, pairs in enumerate(elements):
+            for k, m, g in pairs:
+                e_j, x = strain[j], strain[j] - slips[at]
+                sticks = ufl.lt(k * abs(x), m + g * abs(e_j))
+                slides = ufl.sign(x) * (m * e_j + (0.5 * g * e_j * abs(e_j) if g else 0.0))
+                stored += ufl.conditional(sticks, 0.5 * k * x**2, slides)
+                at += 1
+        return stored
+
+    return density
+
+
+def has_six_lengths(
+    surface: Surface, fabric: Sheet, membrane: str, thick: bool, law: StVenant
+) -> bool:
     """True if the membrane of a sheet is that of cell_membrane.py: options as for `Shell`."""
-    uncoupled = not thick and not np.any(fabric.coupling)
+    uncoupled = not (thick or law.couples or np.any(fabric.coupling))
     return surface.cells.shape[1] == 4 and membrane == "arcs" and uncoupled
 
 
@@ -171,6 +233,9 @@ def _nine_nodes(V, M, stiffness, cap, thick, of_law):
         *of_law.beyond("membrane", "membrane", eps, "gauss2"),
         *of_law.beyond("shear", "shear", gam, "gauss2", cap),
     ]
+    both = of_law.both(beyond=True)
+    if both is not None:
+        return [*terms, Term("coupling", stacked([eps, kap]), None, "gauss2", both)]
     if thick:
         measures = [eps, kap, strains.director_strain]
         blocks = [[None, b, D], [b, None, E], [D, E, F]]

@@ -112,6 +112,7 @@ class Statics:
             self.cutbacks += 1
             return None
         self.level = target
+        self.shell.keep_slips()
         self.steps.append(step)
         self._watch_jumps(step, start, eq.largest_change(state))
         self._watch_loads()

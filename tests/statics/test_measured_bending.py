@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A strip in pure bending gives back the measured curve M(kappa) and the loop 2HB."""
+
+import numpy as np
+import pytest
+
+import meshes
+from shellform import Shell, Statics
+from shellform.material.measurements import measured_fabric
+
+LENGTH = 0.012  # turns by less than half a turn
+POINTS = {
+    "curvature_warp_per_cm": [0, 0.25, 0.5, 1.0, 1.75, 2.5],
+    "moment_warp_gf_cm_per_cm": [0, 0.045, 0.085, 0.155, 0.24, 0.31],
+}
+REST = {
+    "tensile_warp_N_per_m": 2000.0, "tensile_weft_N_per_m": 2000.0, "G_N_per_m_per_radian": 50.0,
+    "B_weft_uN_m": 9.0, "weight_g_per_m2": 260.0, "thickness_mm": 0.7,
+}  # fmt: skip
+UNIT = 9.80665e-3  # N, of gf cm/cm
+
+
+def bent(fabric, moments, triangles=False):
+    """Curvatures [1/m] of a strip at moments [N] of its end, in a plane."""
+    surface = meshes.rectangle(LENGTH, 0.005, (16, 2), triangles=triangles)
+    shell = Shell(surface.replace(warp=(1.0, 0.0, 0.0)), fabric)
+    everywhere = np.arange(len(surface.points))
+    shell.supports.clamp("left")
+    shell.supports.hold(everywhere, "y")
+    shell.supports.hold_director(everywhere, plane=(0.0, 1.0, 0.0))
+    most = np.abs(moments).max()
+    shell.loads.edge_moment("right", (0.0, -most, 0.0))
+    tip = np.flatnonzero(surface.points[:, 0] > LENGTH - 1e-9)
+    curvatures = []
+    with Statics(shell) as statics:
+        for _ in statics.march(np.array(moments) / most):
+            d = shell.directors()[tip]
+            curvatures.append(float(np.mean(np.arctan2(-d[:, 0], d[:, 2]))) / LENGTH)
+    return np.array(curvatures), shell
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_measured_curve(triangles):
+    fabric = measured_fabric(REST | POINTS)
+    wanted = np.array(POINTS["curvature_warp_per_cm"])[1:5] * 100
+    moments = np.array(POINTS["moment_warp_gf_cm_per_cm"])[1:5] * UNIT
+    got, _ = bent(fabric, moments, triangles)
+    assert np.abs(got) == pytest.approx(wanted, rel=5e-3)
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_loop_of_2HB(triangles):
+    """Branches B kappa +- HB, their distance, and the energy lost in a cycle."""
+    B, HB, slip = 13.3e-6, 3.05e-4, 5.0
+    table = {"B_warp_uN_m": 1e6 * B, "2HB_warp_N": 2 * HB}
+    fabric = measured_fabric(REST | table)
+    top = 150.0 * B + HB
+    there = [0.5 * top, top]
+    down = [100.0 * B - HB, 50.0 * B - HB, -HB, -50.0 * B - HB, -100.0 * B - HB, -top]
+    back = [-m for m in down]
+    moments = np.array([*there, *down, *back])
+    got, shell = bent(fabric, moments, triangles)
+    sign = np.sign(got[1])
+    at = sign * got
+    assert at[1] == pytest.approx(150.0, rel=5e-3)
+    assert at[2:8] == pytest.approx([100, 50, 0, -50, -100, -150], rel=5e-3, abs=0.5)
+    assert at[8:] == pytest.approx([-100, -50, 0, 50, 100, 150], rel=5e-3, abs=0.5)
+    # first loading slips over 150 - slip, both branches over 300 - 2 slip, per area
+    lost = HB * (150 - slip) + 2 * HB * (300 - 2 * slip)
+    assert shell.friction_loss() == pytest.approx(lost * shell.surface.area, rel=5e-3)
