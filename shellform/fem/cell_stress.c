@@ -28,7 +28,7 @@ enum { SEGMENTS = 6, LINES = 4 };
 #else
 enum { SEGMENTS = 3, LINES = 3 };
 #endif
-enum { STRAINS = 3, CURVES = 5 };
+enum { STRAINS = 3, CURVES = 6 };
 /* numbers of a cell, in this order; areas: of the membrane, of bending */
 enum { B = STRAINS * SEGMENTS, C = STRAINS * LINES, AREAS = 2 };
 enum { WIDTH = B + SEGMENTS + C + LINES + AREAS };
@@ -87,7 +87,8 @@ INLINE void stretched(const struct curve *curves, const double *A, const vector 
                       const vector *about, vector *N)
 {
     vector stretch[2], e[2], at[2], e_at[2], load[3];
-    int tension = curves[0].count || curves[1].count;
+    const struct curve *coupling = curves + 5;
+    int tension = curves[0].count || curves[1].count || coupling->count;
     UNROLL for (int i = 0; i < 2; i++) {
         stretch[i] = root(1.0 + 2.0 * E[i]), e[i] = stretch[i] - 1.0;
         if (about) at[i] = root(1.0 + 2.0 * about[i]), e_at[i] = at[i] - 1.0;
@@ -98,8 +99,15 @@ INLINE void stretched(const struct curve *curves, const double *A, const vector 
         N[i] += load[i] / stretch[i] - A[4 * i] * E[i];
     }
     if (tension) {
-        N[0] += A[1] * (e[1] / stretch[0] - E[1]);
-        N[1] += A[1] * (e[0] / stretch[1] - E[0]);
+        vector both = all(A[1]), product = e[0] * e[1]; /* derivative by the product */
+        if (coupling->count)
+            for (int l = 0; l < W; l++)
+                if (product[l] > 0.0) {
+                    double q = sqrt(product[l]);
+                    both[l] = loaded(coupling, q) / q;
+                }
+        N[0] += both * e[1] / stretch[0] - A[1] * E[1];
+        N[1] += both * e[0] / stretch[1] - A[1] * E[0];
     }
     if (curves[2].count) {
         vector product = stretch[0] * stretch[1], sine = E[2] / product, angle, angle_at;
@@ -125,8 +133,24 @@ INLINE void bent(const struct curve *curves, const double *D, const vector *K, c
 
 /* ------------------------------------------------------------------ friction */
 
-/* springs (count, 3) of k, m, g; slips p (count, W) of a block, kept if `keep`, not held to m if
-   `stuck`; adds up stored and lost energy per area */
+/* what is lost by a slip that ends at e, begun from the slip p, see above */
+INLINE vector lost_by(vector slip, vector e, vector p, double k, double m, double g)
+{
+    if (g == 0.0) return m * where(slip < 0.0, -slip, slip);
+    mask down = slip < 0.0;
+    vector a = p + where(down, all(-m), all(m)) * (1.0 / k), size = where(e < 0.0, -e, e);
+    /* slip by strain where it began and where it ends */
+    vector early = where((a < 0.0) == down, all(1.0 - g / k), all(1.0 + g / k));
+    vector late = where((e < 0.0) == down, all(1.0 - g / k), all(1.0 + g / k));
+    a /= early;
+    vector begun = where(a < 0.0, -a, a);
+    vector one = (m + 0.5 * g * (size + begun)) * where(down, -slip, slip);
+    vector two = (m + 0.5 * g * begun) * begun * early + (m + 0.5 * g * size) * size * late;
+    return where(slip == 0.0, all(0.0), where((a < 0.0) == (e < 0.0), one, two));
+}
+
+/* springs (count, 3) of k, m, g; slips p (count, W) of a block, kept if `keep`, not held to the yield
+   stress if `stuck`; adds up stored and lost energy per area */
 INLINE vector rubbed(int count, const double *springs, vector e, vector *p, int keep, int stuck,
                      vector *stored, vector *lost)
 {
@@ -135,22 +159,15 @@ INLINE vector rubbed(int count, const double *springs, vector e, vector *p, int 
         double k = springs[3 * i], m = springs[3 * i + 1], g = springs[3 * i + 2];
         vector f = k * (e - p[i]);
         if (!stuck) {
-            vector free = f, size = where(e < 0.0, -e, e), most = m + g * size;
+            vector most = m + g * where(e < 0.0, -e, e), free = f;
             f = where(f > most, most, where(f < -most, -most, f));
-            vector slip = (free - f) / k;
-            mask down = slip < 0.0;
-            /* strain at the start of the slip; slip by strain there and at the end */
-            vector a = p[i] + where(down, all(-m), all(m)) / k;
-            vector early = where((a < 0.0) == down, all(1.0 - g / k), all(1.0 + g / k));
-            vector late = where((e < 0.0) == down, all(1.0 - g / k), all(1.0 + g / k));
-            a /= early;
-            vector begun = where(a < 0.0, -a, a);
-            vector one = (m + 0.5 * g * (size + begun)) * where(down, -slip, slip);
-            vector two = (m + 0.5 * g * begun) * begun * early + (m + 0.5 * g * size) * size * late;
-            *lost += where(slip == 0.0, all(0.0), where((a < 0.0) == (e < 0.0), one, two));
-            if (keep) p[i] += slip;
+            if (any(free != f)) {
+                vector slip = (free - f) * (1.0 / k);
+                *lost += lost_by(slip, e, p[i], k, m, g);
+                if (keep) p[i] += slip;
+            }
         }
-        *stored += 0.5 * f * f / k;
+        *stored += f * f * (0.5 / k);
         stress += f;
     }
     return stress;
@@ -195,7 +212,7 @@ INLINE void to_nodes(vector3 *segment, const vector3 *line, vector3 *x)
 /* Add the forces of all cells to r (n, 6) [N, N m], unless r is null.
 
    count: of cells; nodes (blocks, NODES, W); points (n, 3) [m]; numbers (blocks, WIDTH, W)
-   curves: table of CURVES curves, warp, weft, shear, bending of warp and weft, or null
+   curves: table of CURVES curves, warp, weft, shear, bending of warp and weft, coupling; or null
    stiffness: A and D (2, 3, 3); springs (., 3), of the six strains one after another, and how many
        each has; slips (blocks, all springs, W), or null without friction
    w (n, 6): (u, d); about (count, 6): strains about which curves are made straight, sliders being
@@ -209,16 +226,19 @@ struct sums cell_stress(ptrdiff_t count, const int *nodes, const double *points,
 {
     struct sums sums = {0.0, 0.0};
     struct curve curve[CURVES] = {};
-    int all_springs = 0, in_plane = 0, in_bending = 0;
+    int all_springs = 0, in_plane = 0, in_bending = 0, used[2 * STRAINS] = {};
     if (curves)
         for (int i = 0; i < CURVES; i++) {
             curves = read(curves, curve + i);
-            *(i < 3 ? &in_plane : &in_bending) |= curve[i].count > 0;
+            *(i == 3 || i == 4 ? &in_bending : &in_plane) |= curve[i].count > 0;
         }
     int stretch = in_plane, bend = in_bending;
+    for (int j = 0; j < STRAINS; j++)
+        used[j] = stretch || strains, used[3 + j] = (bend && j < 2) || strains;
     if (slips)
         for (int i = 0; i < 2 * STRAINS; i++) {
             all_springs += many[i];
+            used[i] |= many[i] > 0;
             *(i < STRAINS ? &in_plane : &in_bending) |= many[i] > 0;
         }
     for (ptrdiff_t first = 0, block = 0; first < count; first += W, block++) {
@@ -231,19 +251,23 @@ struct sums cell_stress(ptrdiff_t count, const int *nodes, const double *points,
         vector stored = {}, lost = {}, *p = slips ? (vector *)slips + all_springs * block : NULL;
         const double *spring = springs;
 
+        for (size_t at = 0; at < WIDTH * sizeof(vector); at += 64)
+            __builtin_prefetch((const char *)(b + WIDTH) + at);
         gather(cells, points, w, x, d);
         parts_of(x, xs, xl), parts_of(d, ds, dl);
         if (in_plane || strains)
             UNROLL for (int i = 0; i < SEGMENTS; i++) {
                 segment[i] = measured(xs[i], ds[i]);
                 vector s = chord(segment[i]) + arc(segment[i]) - rest[i];
-                UNROLL for (int j = 0; j < STRAINS; j++) e[j] += b[SEGMENTS * j + i] * s;
+                UNROLL for (int j = 0; j < STRAINS; j++)
+                    if (used[j]) e[j] += b[SEGMENTS * j + i] * s;
             }
         if (in_bending || strains)
             UNROLL for (int i = 0; i < LINES; i++) {
                 line[i] = measured(xl[i], dl[i]);
                 vector t = turning(line[i]) - flat[i];
-                UNROLL for (int j = 0; j < STRAINS; j++) e[3 + j] += c[LINES * j + i] * t;
+                UNROLL for (int j = 0; j < STRAINS; j++)
+                    if (used[3 + j]) e[3 + j] += c[LINES * j + i] * t;
             }
         if (strains)
             for (int l = 0; l < W && first + l < count; l++)
@@ -266,13 +290,15 @@ struct sums cell_stress(ptrdiff_t count, const int *nodes, const double *points,
         if (in_plane)
             UNROLL for (int i = 0; i < SEGMENTS; i++) {
                 vector pull = {};
-                UNROLL for (int j = 0; j < STRAINS; j++) pull += b[SEGMENTS * j + i] * stress[j];
+                UNROLL for (int j = 0; j < STRAINS; j++)
+                    if (used[j]) pull += b[SEGMENTS * j + i] * stress[j];
                 on[i] = pulled(area[0] * pull, segment[i], all(1.0));
             }
         if (in_bending)
             UNROLL for (int i = 0; i < LINES; i++) {
                 vector moment = {};
-                UNROLL for (int j = 0; j < STRAINS; j++) moment += c[LINES * j + i] * stress[3 + j];
+                UNROLL for (int j = 0; j < STRAINS; j++)
+                    if (used[3 + j]) moment += c[LINES * j + i] * stress[3 + j];
                 bending[i] = turned(area[1] * moment, line[i]);
             }
         vector3 f[SEGMENTS], g[LINES], force[NODES], couple[NODES];

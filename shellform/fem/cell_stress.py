@@ -50,7 +50,7 @@ class CellStress:
     ----------
     points, directors : (n, 3), reference state; cells : (m, 4) int in tensor order, or (m, 3)
     warp : (3,), (m, 3) or None; fabric : Sheet
-    curves : five Curve or None, of warp, weft, shear, bending of warp and weft; or None
+    curves : six Curve or None, in the order of `Measured.curves`; or None
     friction : ClothFriction or None
 
     Attributes
@@ -197,7 +197,9 @@ def at_rest(
         B, area = C, 0.5 * area
         stretched = area
     angles = turning(_dot(along[0], along[1]), _dot(along[1], along[1]))
-    parts = [B.reshape(len(cells), -1), lengths, C.reshape(len(cells), -1), angles]
+    # a rank may have no cells, so -1 would not do
+    flat = [matrix.reshape(len(cells), 3 * matrix.shape[2]) for matrix in (B, C)]
+    parts = [flat[0], lengths, flat[1], angles]
     return np.concatenate([*parts, stretched[:, None], area[:, None]], axis=1)
 
 

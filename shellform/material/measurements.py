@@ -3,7 +3,8 @@
 
 Of each of tension, shear and bending one of
 
-    tension   stretch and load lists, with the unloading; EMT with LT, and RT; E5, E20, E100 of FAST
+    tension   stretch and load lists, with the unloading; EMT with LT, and RT; E5, E20, E100 of FAST;
+              of both yarns at equal stretch: biaxial_stretch, and biaxial_load of each
     shear     angle and shear_load lists, with the unloading; G with 2HG and 2HG5; EB5 of FAST
     bending   curvature and moment lists, with the unloading; B with 2HB; a bending length (D1388)
 
@@ -63,7 +64,8 @@ QUANTITIES = (
         "angle": units.ANGLE, "shear_load": units.LOAD, "shear_unload": units.LOAD,
         "G": units.SHEAR, "2HG": units.LOAD, "2HG5": units.LOAD, "EB5": units.STRAIN,
         "F": units.LOAD, "weight": units.MASS, "thickness": units.LENGTH,
-        "B_twist": units.BENDING, "poisson_ratio": units.RATIO,
+        "biaxial_stretch": units.STRAIN, "biaxial_load_warp": units.LOAD,
+        "biaxial_load_weft": units.LOAD, "B_twist": units.BENDING, "poisson_ratio": units.RATIO,
     }
 )  # fmt: skip
 
@@ -107,7 +109,11 @@ def measured_fabric(
     shear, slope, shear_sliders = _shear(q, where)
     bending = {yarn: _bending(q, yarn, where) for yarn in YARNS}
     warp, weft = (tension[yarn] for yarn in YARNS)
+    coupling = _coupling(q, warp, weft, where)
     A = lamina_matrix(warp[1], weft[1], q.get("poisson_ratio", 0.0), slope, unit="N/m")
+    if coupling is not None:
+        A = np.diag(np.array([warp[1], weft[1], slope]))
+        A[0, 1] = A[1, 0] = coupling.at_rest
     stiffness = [bending[yarn][1] for yarn in YARNS]
     twist = [q["B_twist"]] if "B_twist" in q else []
     D = bending_matrix((*stiffness, *twist), A[0, 1] / np.sqrt(A[0, 0] * A[1, 1]))
@@ -115,7 +121,7 @@ def measured_fabric(
     friction = ClothFriction(warp[2], weft[2], shear_sliders, *(bending[yarn][2] for yarn in YARNS))
     if sum(friction.counts()):
         fabric = fabric.with_friction(friction)
-    curves = [warp[0], weft[0], shear, *(bending[yarn][0] for yarn in YARNS)]
+    curves = [warp[0], weft[0], shear, *(bending[yarn][0] for yarn in YARNS), coupling]
     if any(curve is not None for curve in curves):
         # only here: written in UFL, which quadratic cloth does not need
         from .measured import Measured
@@ -178,6 +184,35 @@ def _tension(q: dict, yarn: str, where: str) -> Part:
     RT = q.get(f"RT_{yarn}", 1.0)
     x, y = decrimping(EMT, LT, most, RT, name)
     return tension_loop(x, y, RT, name)
+
+
+def _coupling(q: dict, warp: Part, weft: Part, where: str) -> Curve | None:
+    """What the load of a yarn gains where the other is stretched as much, the mean of both."""
+    name = f"{where}: tension of both yarns"
+    if not any(key.startswith("biaxial") for key in q):
+        return None
+    x = q.get("biaxial_stretch")
+    loads = [q.get(f"biaxial_load_{yarn}") for yarn in YARNS]
+    if x is None or any(load is None for load in loads):
+        raise FabricError(
+            f"{name}: biaxial_stretch, biaxial_load_warp and biaxial_load_weft go together."
+        )
+    if "poisson_ratio" in q:
+        raise FabricError(f"{name}: a poisson_ratio beside them says the same: leave one out.")
+    gains = []
+    for load, (curve, slope, sliders), yarn in zip(loads, (warp, weft), YARNS, strict=True):
+        if np.shape(load) != np.shape(x):
+            raise FabricError(f"{name}: {np.size(load)} loads of the {yarn}, {np.size(x)} strains.")
+        alone = slope * x if curve is None else curve(x)
+        alone = alone + sum((TENSION.lead(one, x) for one in sliders), np.zeros_like(x))
+        gains.append(load - alone)
+    apart = np.abs(gains[0] - gains[1]).max()
+    if apart > AGREE * np.abs(gains).max():
+        raise FabricError(
+            f"{name}: what warp and weft gain differs by {apart:.3g} of {np.abs(gains).max():.3g} "
+            "N/m, while an energy gives both the same: check the loads of all tension tests."
+        )
+    return Curve(tuple(x), tuple(np.mean(gains, axis=0)), False, name)
 
 
 def _shear(q: dict, where: str) -> Part:

@@ -20,7 +20,8 @@ WARP = Curve((0, 0.01, 0.03, 0.05, 0.08), (0, 2, 12, 60, 300.0), False)
 WEFT = Curve((0, 0.02, 0.05, 0.10), (0, 2, 20, 120.0), False)
 SHEAR = Curve((0, 0.1, 0.3, 0.5, 0.6), (0, 5, 16, 60, 200.0), True)
 BEND = Curve((0, 20, 80, 250.0), (0, 2.6e-4, 9e-4, 2.2e-3), True)
-LAW = Measured(WARP, WEFT, SHEAR, BEND, None)
+COUPLING = Curve((0, 0.02, 0.05, 0.1), (0, 0.3, 1.2, 4.0), False)
+LAW = Measured(WARP, WEFT, SHEAR, BEND, None, COUPLING)
 B = 1e-5
 KINDS = {"quads": (1, False), "triangles": (1, True), "nine nodes": (2, False)}
 FRICTION = ClothFriction(
@@ -34,7 +35,9 @@ FRICTION = ClothFriction(
 
 def sheet(law=LAW, friction=None):
     slopes = (WARP.at_rest, WEFT.at_rest, SHEAR.at_rest) if law else (200.0, 100.0, 50.0)
-    A, D = np.diag(slopes), np.diag([BEND.at_rest if law else B, B, 0.6 * B])
+    A = np.diag(slopes)
+    A[0, 1] = A[1, 0] = COUPLING.at_rest if law is LAW else 0.0
+    D = np.diag([BEND.at_rest if law else B, B, 0.6 * B])
     return Fabric.from_stiffness(A, D, 0.2, 5e-4).with_law(law).with_friction(friction)
 
 
@@ -92,6 +95,9 @@ def test_tension_and_shear_curves_come_out(kind, angle, cells):
             F, dF = np.eye(3), np.zeros((3, 3))
             F[axis, axis], dF[axis, axis] = 1 + x, 1.0
             assert load(F, dF) == pytest.approx(curve(x), rel=1e-9)
+    for x in (0.01, 0.04, 0.08):
+        F, dF = np.diag([1 + x, 1 + x, 1.0]), np.diag([1.0, 0.0, 0.0])
+        assert load(F, dF) == pytest.approx(WARP(x) + COUPLING(x), rel=1e-9)
     for gamma in (-0.4, 0.05, 0.2, 0.55):
         # yarns keep their length: the weft turns by gamma
         F = np.array([[1, np.sin(gamma), 0], [0, np.cos(gamma), 0], [0, 0, 1.0]])
@@ -137,11 +143,18 @@ def test_bending_curve_comes_out(kind, angle):
     assert moment == pytest.approx(B * 30.0, rel=1e-3)
 
 
-@pytest.mark.parametrize("kind", ["quads", "triangles"])
-@pytest.mark.parametrize("law, friction", [(LAW, None), (None, FRICTION), (LAW, FRICTION)])
-def test_explicit_and_static_forces_agree(kind, law, friction):
+BENT = Measured(bend_warp=BEND)
+PAIRS = [
+    *((kind, *p, {}) for kind in ("quads", "triangles") for p in
+      ((LAW, None), (None, FRICTION), (LAW, FRICTION))),
+    ("quads", BENT, FRICTION, {"wrinkles": "relaxed"}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("kind, law, friction, options", PAIRS)
+def test_explicit_and_static_forces_agree(kind, law, friction, options):
     """C against UFL, with sliders that have slipped, and both are turned with the sheet."""
-    shell = Shell(dome(*KINDS[kind], cells=(3, 2)), sheet(law, friction))
+    shell = Shell(dome(*KINDS[kind], cells=(3, 2)), sheet(law, friction), **options)
     force, w = InternalForce(shell), owned(shell)
     deform(shell, size=0.03, seed=1)
     shell.keep_slips()

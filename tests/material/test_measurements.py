@@ -138,6 +138,23 @@ def test_table_files(tmp_path):
     assert f.law.bend_warp(250.0) == pytest.approx(0.2 * 9.80665e-3)
 
 
+def test_biaxial_loads():
+    """Loads at equal stretch come out, and those of one yarn stay what they are."""
+    x = [0, 0.01, 0.02, 0.04]
+    table = without("EMT", "LT") | {
+        "stretch_warp": x, "load_warp_N_per_m": [0, 5, 20, 120],
+        "stretch_weft": x, "load_weft_N_per_m": [0, 4, 12, 60],
+        "biaxial_stretch": x, "biaxial_load_warp_N_per_m": [0, 7, 25, 135],
+        "biaxial_load_weft_N_per_m": [0, 6, 17, 75],
+    }  # fmt: skip
+    f = measured_fabric(table)
+    assert f.law.coupling.y == pytest.approx([0, 2, 5, 15])
+    assert f.membrane[0, 1] == pytest.approx(f.law.coupling.at_rest)
+    table["biaxial_load_weft_N_per_m"] = [0, 6, 22, 95]
+    with pytest.raises(FabricError, match="what warp and weft gain differs by 20 of 35 N/m, while"):
+        measured_fabric(table)
+
+
 def test_what_is_not_measured_is_not_there():
     """Numbers alone make quadratic cloth, without law and friction."""
     f = measured_fabric(without("LT", "2H"))
