@@ -3,7 +3,7 @@
 
 Of each of tension, shear and bending one of
 
-    tension   stretch and load lists, with the unloading; EMT with LT, and RT; E5, E20, E100 of FAST;
+    tension   stretch and load lists, with the unloading; EMT with LT, RT; E5, E20, E100 of FAST;
               of both yarns at equal stretch: biaxial_stretch, and biaxial_load of each
     shear     angle and shear_load lists, with the unloading; G with 2HG and 2HG5; EB5 of FAST
     bending   curvature and moment lists, with the unloading; B with 2HB; a bending length (D1388)
