@@ -11,7 +11,7 @@ cloth that is measured in tension alone, the line of the slope at rest.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -41,7 +41,7 @@ class Curve:
     x: tuple[float, ...]
     y: tuple[float, ...]
     mirrored: bool
-    name: str = "curve"
+    name: str = field(default="curve", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         try:
