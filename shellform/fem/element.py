@@ -290,4 +290,6 @@ def terms_of(fabric: Sheet, thick: bool = False) -> list[str]:
     terms = ["membrane", "bending", "transverse shear"]
     if np.any(fabric.coupling):
         terms.append("membrane with bending")
+    if fabric.friction is not None:
+        terms.append("friction inside the cloth")
     return [*terms, "chi"] if thick else terms

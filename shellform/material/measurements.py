@@ -192,8 +192,8 @@ def _coupling(q: dict, warp: Part, weft: Part, where: str) -> Curve | None:
     if not any(key.startswith("biaxial") for key in q):
         return None
     x = q.get("biaxial_stretch")
-    loads = [q.get(f"biaxial_load_{yarn}") for yarn in YARNS]
-    if x is None or any(load is None for load in loads):
+    loads = [q[key] for key in (f"biaxial_load_{yarn}" for yarn in YARNS) if key in q]
+    if x is None or len(loads) < 2:
         raise FabricError(
             f"{name}: biaxial_stretch, biaxial_load_warp and biaxial_load_weft go together."
         )
