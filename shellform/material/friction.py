@@ -56,6 +56,16 @@ class ClothFriction:
         """Elements by strain, E11, E22, 2 E12, K11, K22, 2 K12."""
         return [getattr(self, item.name) for item in fields(self)]
 
+    def summary(self) -> str:
+        """Where there are sliders and what they yield at from rest, in words."""
+        units = ["N/m"] * 3 + ["N"] * 3
+        names = (item.name.replace("_", " ") for item in fields(self))
+        return ", ".join(
+            f"{name} {sum(m for _, m, _ in some):.3g} {unit}"
+            for name, some, unit in zip(names, self.elements(), units, strict=True)
+            if some
+        )
+
     def counts(self) -> list[int]:
         """How many sliders each strain has."""
         return [len(elements) for elements in self.elements()]

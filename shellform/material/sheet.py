@@ -191,6 +191,9 @@ class Sheet:
     def summary(self) -> str:
         """A few lines for a person: stiffness by direction and the lengths that follow."""
         A, D, S = np.diag(self.membrane), np.diag(self.bending), np.diag(self.shear)
+        more = [] if self.law is None else [f"  law         {type(self.law).__name__}"]
+        if self.friction is not None:
+            more.append(f"  friction    {self.friction.summary()}")
         return "\n".join(
             [
                 f"{self.name}: {self.areal_mass:.4g} kg/m^2, {1e3 * self.thickness:.4g} mm thick"
@@ -202,5 +205,6 @@ class Sheet:
                 f"  bending length warp {1e3 * self.bending_length():.3g} mm, weft "
                 f"{1e3 * self.bending_length(degrees=90):.3g} mm under its own weight; bends like "
                 f"{1e3 * self.equivalent_thickness:.3g} mm of solid material",
+                *more,
             ]
         )

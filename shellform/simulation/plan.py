@@ -20,6 +20,7 @@ from meshes import Surface
 from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
 from shellform.motion.wearer import Wearer
+from shellform.scene.checks import check_dressing
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
@@ -54,6 +55,7 @@ def plan_of(
     near = dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
     fabric = scene.cloth
+    check_dressing(steps.dressing, fabric)
     terms = [*terms_of(fabric), "inertia", "rotary inertia"]
     law = {} if fabric.law is None else {"law": repr(fabric.law)}
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}

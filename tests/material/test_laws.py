@@ -20,6 +20,7 @@ from shellform.material.fung import Fung
 from shellform.material.laws import LAWS, law_from, law_table
 from shellform.material.solid import CompressibleNeoHookean
 from shellform.material.surface_energy import MetricAndCurvature
+from shellform.scene.checks import check_dressing
 from shellform.scene.scene_file import read_scene, write_scene
 from tests.fem.test_shell import deform, dome, owned
 from tests.material.test_measurements import SUITING
@@ -314,6 +315,16 @@ def test_scenes_name_laws(tmp_path):
     assert again.friction.counts() == [0, 0, 1, 1, 0, 0] and again.name == "suiting"
     with pytest.raises(FabricError, match=r"law: NeoHookean\(\) has the membrane stiffness"):
         Scene("compliant", law="neo-hookean")
+
+
+def test_dressing_by_springs_is_refused():
+    cloth = fabric_from_card({"name": "suiting", "measured": SUITING})
+    check_dressing("shell", cloth)
+    check_dressing("particles", fabric_of("compliant"))
+    with pytest.raises(
+        ValueError, match="'particles': masses and springs do not know the law of 's"
+    ):
+        check_dressing("particles", cloth)
 
 
 def test_solids_refuse_what_they_do_themselves():

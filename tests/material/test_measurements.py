@@ -32,6 +32,8 @@ def without(*names):
 def test_instrument_units():
     """gf is the weight of a gram at 9.80665 m/s2, written out by hand."""
     f = measured_fabric(SUITING)
+    assert "law         Measured" in f.summary()
+    assert "friction    shear 0.516 N/m, bend warp 0.000305 N" in f.summary()
     assert f.bending[0, 0] == pytest.approx(0.1357 * 9.80665e-3 * 1e-4 / 1e-2, rel=1e-12)
     assert f.areal_mass == pytest.approx(0.2635) and f.thickness == pytest.approx(0.746e-3)
     assert f.friction.bend_warp[0][1] == pytest.approx(0.5 * 0.0622 * 9.80665e-3, rel=1e-12)
