@@ -13,7 +13,9 @@ from shellform.fem.director import rotation_matrix
 from shellform.fem.internal_force import InternalForce
 from shellform.material.curve import Curve
 from shellform.material.friction import ClothFriction, follow
+from shellform.material.loops import CLOSED, FIT
 from shellform.material.measured import Measured
+from shellform.material.measurements import measured_fabric
 from tests.fem.test_shell import deform, dome, owned
 
 WARP = Curve((0, 0.01, 0.03, 0.05, 0.08), (0, 2, 12, 60, 300.0), False)
@@ -235,6 +237,57 @@ def test_loops_in_the_plane(kind, cells, angle, what):
     assert lost[-1] - lost[40] == pytest.approx(area, rel=1e-6)
     stored = sum(follow(one, cycle)[-1] ** 2 / (2 * one[0]) for one in elements)
     assert shell.energy()["friction"] == pytest.approx(stored, rel=1e-9, abs=1e-15)
+
+
+LOOPS = {
+    "stretch_warp": [0, 0.01, 0.02, 0.03, 0.04],
+    "load_warp_N_per_m": [0, 8, 20, 60, 150.0],
+    "unload_warp_N_per_m": [0, 5.4, 13.5, 47, 150.0],
+    "stretch_weft": [0, 0.02, 0.04, 0.06],
+    "load_weft_N_per_m": [0, 20, 50, 140.0],
+    "unload_weft_N_per_m": [0, 14, 36, 140.0],
+    "angle_degrees": [0, 0.5, 2, 5, 8],
+    "shear_load_N_per_m": [0, 0.9, 2.5, 5.6, 9.0],
+    "shear_unload_N_per_m": [-0.8, -0.6, 0.8, 3.6, 9.0],
+    "B_warp_uN_m": 13.0, "B_weft_uN_m": 9.0, "weight_g_per_m2": 260, "thickness_mm": 0.7,
+}  # fmt: skip
+BRANCHES = {"stretch_warp": "load_warp_N_per_m", "stretch_weft": "load_weft_N_per_m",
+            "angle_degrees": "shear_load_N_per_m"}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", BRANCHES)
+@pytest.mark.parametrize("angle", [0.0, 90.0, 30.0])
+@pytest.mark.parametrize("cells", [(1, 1), (8, 8)])
+def test_measured_loops_come_out_of_a_sheet(what, angle, cells):
+    """Up through the points of a card to 0.1 %; down as near as its sliders were fitted."""
+    shell = square("quads", angle, measured_fabric(LOOPS), cells)
+    force, n = InternalForce(shell), shell.partition.n_owned
+    X = shell.surface.points[shell.partition.nodes][:n]
+    unit = np.pi / 180 if what == "angle_degrees" else 1.0
+    x = np.array(LOOPS[what]) * unit
+    axis = 1 if what == "stretch_weft" else 0
+
+    def shape(s):
+        F, dF = np.eye(3), np.zeros((3, 3))
+        if what == "angle_degrees":
+            F[:2, 1], dF[:2, 1] = (np.sin(s), np.cos(s)), (np.cos(s), -np.sin(s))
+        else:
+            F[axis, axis], dF[axis, axis] = 1 + s, 1.0
+        return F, dF
+
+    fine = np.unique(np.concatenate([np.linspace(0, x[-1], 60), x]))
+    loads = []
+    for s in np.concatenate([fine, fine[-2::-1]]):
+        F, dF = shape(s)
+        move(shell, F)
+        r = force(owned(shell))[:n]
+        loads.append(shell.comm.allreduce(np.vdot(r[:, :3], X @ dF.T)))
+    up, down = np.array(loads[: len(fine)]), np.array(loads[len(fine) - 1 :][::-1])
+    at = np.searchsorted(fine, x)
+    wanted = np.array(LOOPS[BRANCHES[what]])
+    np.testing.assert_allclose(up[at], wanted, rtol=1e-3, atol=1e-9)
+    back = np.array(LOOPS[BRANCHES[what].replace("load", "unload")])
+    assert np.abs(down[at] - back).max() <= max(FIT * (wanted - back).max(), CLOSED * wanted[-1])
 
 
 @pytest.mark.parametrize("kind", ["quads", "triangles"])
