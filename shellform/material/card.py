@@ -63,7 +63,9 @@ def _make(where: str, table, maker, **more):
         raise FabricError(f"{where}: this must be a table of keys, not {table!r}.")
     for key in table:
         if key not in keys:
-            raise FabricError(f'{where}: unknown key "{key}"; {nearest(key, keys)}')
+            gf = "gf" in key.split("_")
+            mend = "numbers in gf go into a table [measured]." if gf else nearest(key, keys)
+            raise FabricError(f'{where}: unknown key "{key}"; {mend}')
     for key, parameter in keys.items():
         if key not in table and parameter.default is inspect.Parameter.empty:
             raise FabricError(f'{where}: key "{key}" is missing.')
