@@ -13,7 +13,9 @@ from shellform.dynamics.mass_spring import Particles
 from shellform.dynamics.state import State
 from shellform.fem.lumped_mass import ROTARY_SCALE
 from shellform.material.friction import ClothFriction
+from shellform.material.measurements import measured_fabric
 from shellform.results.ledger import Ledger
+from tests.material.test_measurements import SUITING
 
 FRICTION = ClothFriction(
     shear=[(60.0, 0.5, 8.5)], bend_warp=[(6e-5, 3e-4)], bend_weft=[(5e-5, 2.4e-4), (1e-5, 2e-4)]
@@ -49,6 +51,21 @@ def test_books_close(triangles):
         assert row["momentum_residual"] < 1e-13
     assert losses[1] == pytest.approx(losses[0], rel=0.02) and losses[0] > 1e-5
     assert residuals[0] < 1e-2 * losses[0] and residuals[1] < 0.5 * residuals[0] + 1e-6 * losses[0]
+
+
+def test_measured_cloth_falls():
+    """A card with curves, loops and sliders of all strains: no cut-back step, books that close."""
+    surface = meshes.rectangle(0.4, 0.4, (8, 8), warp=(1.0, 0.2, 0.0))
+    shell = Shell(surface, measured_fabric(SUITING | {"RT_warp_percent": 60.0}))
+    shell.supports.hold(np.array([0]))
+    shell.loads.gravity()
+    stepper = Newmark(shell)
+    ledger = stepper.add(Ledger())
+    stepper.advance(0.3)
+    row = ledger.record()
+    assert stepper.rewind.cutbacks == 0
+    assert abs(row["energy_residual"]) < 0.01 * row["hysteresis_loss"]
+    assert row["hysteresis_loss"] > 0.1 * row["strain"] > 0
 
 
 def test_friction_takes_energy():

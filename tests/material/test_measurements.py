@@ -7,6 +7,7 @@ from scipy.integrate import quad, trapezoid
 
 from shellform.material.card import fabric_from_card, read_fabric
 from shellform.material.curve import Curve
+from shellform.material.energy import check_law
 from shellform.material.fabric import FabricError
 from shellform.material.friction import ClothFriction, follow
 from shellform.material.loops import BENDING, SHEAR, TENSION, decrimping, loop, tension_loop
@@ -42,6 +43,14 @@ def test_instrument_units():
     assert f.membrane[2, 2] + g == pytest.approx(G, rel=1e-12)
     for angle, half in ((0.5, 0.602), (5.0, 1.2835)):
         assert m + g * np.radians(angle) == pytest.approx(half * 0.980665, rel=1e-12)
+
+
+@pytest.mark.parametrize("more", [{}, {"RT_warp_percent": 60.0}, {"LT_warp": 0.45}])
+def test_fabrics_start_as_their_curves(more):
+    """Shells take them: the matrices are the slopes at rest of what the curves store."""
+    for table in (SUITING | more, without("G_", "2HG") | LOOP | more):
+        fabric = measured_fabric(table)
+        check_law(fabric.law, fabric)
 
 
 def test_si_and_instrument_units_agree():
