@@ -6,6 +6,7 @@ import pytest
 
 import meshes
 from shellform import Shell, Statics
+from shellform.material.friction import follow
 from shellform.material.measurements import measured_fabric
 
 LENGTH = 0.012  # turns by less than half a turn
@@ -68,3 +69,25 @@ def test_loop_of_2HB(triangles):
     # first loading slips over 150 - slip, both branches over 300 - 2 slip, per area
     lost = HB * (150 - slip) + 2 * HB * (300 - 2 * slip)
     assert shell.friction_loss() == pytest.approx(lost * shell.surface.area, rel=5e-3)
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_both_branches_of_a_measured_loop(triangles):
+    """Softening with a loop, as lists of loading and unloading: the strip goes along both."""
+    most, HB, slip = 150.0, 3e-4, 3.0  # it slips from a fiftieth of the largest curvature on
+    kappa = np.linspace(0.0, most, 11)
+    slider = (HB / slip, HB, 0.0)
+    path = np.concatenate([kappa, kappa[-2::-1]])
+    # B (kappa - kappa |kappa|/900): a third softer at the end
+    loads = 13.3e-6 * (path - path**2 / 900) + follow(slider, path)
+    up, down = loads[:11], loads[10:]
+    table = {
+        "curvature_warp_per_m": kappa.tolist(),
+        "moment_warp_N": up.tolist(),
+        "unbend_warp_N": down[::-1].tolist(),
+    }
+    moments = np.concatenate([up[[3, 6, 10]], down[[2, 5, 8]]])
+    got, _ = bent(measured_fabric(REST | table), moments, triangles)
+    assert np.abs(got) == pytest.approx(
+        np.concatenate([kappa[[3, 6, 10]], kappa[[8, 5, 2]]]), rel=5e-3
+    )
