@@ -36,10 +36,8 @@ from .wrinkle_field import Wrinkling, crests, wrinkle_strain
 from .wrinkles import Wrinkles
 
 if TYPE_CHECKING:
-    from shellform.material.friction import ClothFriction
-
-    from .cell_stress import CellStress
     from .relaxed_law import Relaxed
+    from .sliders import Sliders
 
 NOT_RELAXED = "a sheet with wrinkles='resolved' has no cells that wrinkle: take wrinkles='relaxed'"
 SPARE_STIFFNESS = 1e-4  # share of the taut stiffness in the tangent of cells that wrinkle
@@ -229,31 +227,6 @@ class CellMembrane:
             stress = stress + self.sliders(E)[0]
         pulls = self.area[:, None] * np.einsum("mij,mi->mj", self.B, stress)
         return pulls + np.einsum("mki,mkj,mj->mi", self.modes, self.modes, s)
-
-
-class Sliders:
-    """Friction in the strains of a membrane at the present slips (material/friction.py).
-
-    Parameters
-    ----------
-    friction : ClothFriction; cells : CellStress, which has the slips
-    """
-
-    def __init__(self, friction: ClothFriction, cells: CellStress):
-        self._elements, self._cells = friction.elements()[:3], cells
-
-    def __call__(self, E: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Stress (m, 3) and tangent (m, 3, 3) [N/m] of strains (m, 3); nothing slips for good."""
-        stress, tangent = np.zeros_like(E), np.zeros((len(E), 3, 3))
-        slips, at = self._cells.slips, 0
-        for j, pairs in enumerate(self._elements):
-            for k, m, g in pairs:
-                free, most = k * (E[:, j] - slips[:, at]), m + g * np.abs(E[:, j])
-                stress[:, j] += np.clip(free, -most, most)
-                slope = g * np.sign(E[:, j]) * np.sign(free)
-                tangent[:, j, j] += np.where(np.abs(free) < most, k, slope)
-                at += 1
-        return stress, tangent
 
 
 def cell_warp(surface: Surface, fabric: Sheet, partition: Partition) -> np.ndarray | None:

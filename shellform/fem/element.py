@@ -155,53 +155,6 @@ def energy_terms(
     return [shear, stretching, *bent]
 
 
-def friction_terms(mesh: Mesh, surface: Surface, fabric: Sheet, slips: Function) -> list[Term]:
-    """Terms of friction inside the cloth in the middle of cells, as of an implicit step.
-
-    The density of a slider at the slip p is k x^2/2 while it sticks, x = e - p, and where it slips
-    the integral of its yield stress (Huber's function): its derivative is the stress that the
-    slider has once it has slipped. It is not continuous, as only derivatives are taken.
-
-    Parameters
-    ----------
-    mesh, surface, fabric : as for `energy_terms`, of triangles or quads in their default form
-    slips : field of a number a slider and cell, strain by strain, see `ClothFriction.table`
-
-    That of the membrane of quads by six lengths is not among them, as it belongs to no point.
-    """
-    V = strains.voigt(strains.lamina(mesh, warp_field(mesh, surface.warp)))
-    triangle = surface.kind == "triangle"
-    rule = "centroid" if triangle else "centre"
-    measures = {3: strains.curvature_turning_sides if triangle else strains.curvature_turning}
-    if triangle:
-        measures[0] = strains.membrane_arcs
-    assert fabric.friction is not None
-    elements, counts = fabric.friction.elements(), fabric.friction.counts()
-    terms = []
-    for first, strain in measures.items():
-        if sum(counts[first : first + 3]):
-            density = huber(V, elements[first : first + 3], slips, sum(counts[:first]))
-            terms.append(Term("friction", strain, None, rule, density))
-    return terms
-
-
-def huber(V: Expr, elements: list, slips: Function, place: int) -> Callable:
-    """Density of the sliders of three strains, whose slips begin at a place of the field."""
-
-    def density(e):
-        strain, at, stored = V * e, place, 0.0
-        for j, pairs in enumerate(elements):
-            for k, m, g in pairs:
-                e_j, x = strain[j], strain[j] - slips[at]
-                sticks = ufl.lt(k * abs(x), m + g * abs(e_j))
-                slides = ufl.sign(x) * (m * e_j + (0.5 * g * e_j * abs(e_j) if g else 0.0))
-                stored += ufl.conditional(sticks, 0.5 * k * x**2, slides)
-                at += 1
-        return stored
-
-    return density
-
-
 def has_six_lengths(
     surface: Surface, fabric: Sheet, membrane: str, thick: bool, law: StVenant
 ) -> bool:

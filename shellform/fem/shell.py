@@ -24,7 +24,7 @@ from meshes.geometry import widest_corners
 from shellform.material.energy import StVenant, check_law
 from shellform.material.sheet import Sheet
 
-from .cell_membrane import NOT_RELAXED, CellMembrane, Sliders, cell_warp
+from .cell_membrane import NOT_RELAXED, CellMembrane, cell_warp
 from .dolfinx_compat import (
     Constant,
     Function,
@@ -36,10 +36,11 @@ from .dolfinx_compat import (
     create_matrix,
     vector_space,
 )
-from .element import check_warp, energy_terms, friction_terms, has_six_lengths, terms_of
+from .element import check_warp, energy_terms, has_six_lengths, terms_of
 from .loads import Loads
 from .partition import Partition
 from .shape_functions import locate
+from .sliders import Sliders, friction_terms
 from .supports import Supports
 from .weak_form import WeakForm
 from .wrinkle_field import Wrinkling
