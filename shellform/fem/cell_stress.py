@@ -138,6 +138,11 @@ class CellStress:
         if self._slips is not None:
             self._slips[:] = in_blocks(np.asarray(slips, float), self._width)
 
+    def forget(self) -> None:
+        """Take all slips back, and what they have lost."""
+        for array in self.state:
+            array[:] = 0.0
+
     @property
     def state(self) -> list[np.ndarray]:
         """Arrays that steps change, for a copy and its return."""

@@ -159,9 +159,11 @@ class Shell:
         self._owner: weakref.ref | None = None
 
     def rest(self) -> None:
-        """Put the sheet back into its reference state."""
+        """Put the sheet back into its reference state, in which nothing has slipped."""
         self.reference.x.array.reshape(-1, 6)[:, 3:] = self.partition.directors
         self.w.x.array[:] = self.reference.x.array
+        if "cell_stress" in vars(self) and self.cell_stress is not None:  # else not made yet
+            self.cell_stress.forget()
 
     @property
     def in_default_form(self) -> bool:

@@ -306,6 +306,15 @@ def test_bending_loop(kind):
     assert np.diff(lost)[0] + np.diff(lost)[1] == pytest.approx(exact, rel=1e-6)
 
 
+def test_rest_takes_slips_back():
+    shell = Shell(dome(1, False, cells=(2, 2)), sheet(None, FRICTION))
+    deform(shell, size=0.03)
+    shell.keep_slips()
+    assert shell.friction_loss() > 0
+    shell.rest()
+    assert shell.friction_loss() == 0 and shell.energy()["friction"] < 1e-25
+
+
 def test_nothing_is_made_that_is_not_named(monkeypatch, comm):
     """No library, no state and no form of curves or friction without them."""
     made = []
