@@ -19,6 +19,8 @@ from petsc4py import PETSc
 import numpy as np
 
 from shellform.fem.callback_errors import exceptions_as_raised
+from shellform.fem.destroyed_together import destroy_with
+from shellform.fem.dolfinx_compat import DIVERGED_NOT_FINITE
 
 from .equilibrium import Equilibrium
 
@@ -88,7 +90,7 @@ class Newton:
         self.snes.setUpdate(lambda snes, iteration: me._advance(iteration))
         self.snes.setConvergenceTest(lambda *state: me._converged(*state))
         self.snes.setFromOptions()
-        weakref.finalize(self, self.snes.destroy)  # at exit too: PETSc is finalised later
+        destroy_with(self, self.snes, eq.shell.comm)
 
     def solve(self, level: float) -> Step | None:
         """Solve at a load level or time from the present state; returns a Step, None if it fails.
@@ -123,7 +125,7 @@ class Newton:
         _, step, residual = norms
         rtol, atol, stol, max_it = snes.getTolerances()
         if not np.isfinite(residual):
-            return reasons.DIVERGED_FNORM_NAN
+            return DIVERGED_NOT_FINITE
         eq = self.equilibrium
         self.roundoff = roundoff = eq.roundoff()
         if residual <= atol or residual <= rtol * eq.force_scale():
