@@ -9,6 +9,8 @@ path are measured with loads in parts of the limit load and deflections in parts
 import csv
 from pathlib import Path
 
+from mpi4py import MPI
+
 import numpy as np
 import pytest
 
@@ -43,7 +45,7 @@ def fabric(thickness, plies):
     return Fabric.laminate([(ply, thickness / 3, angle) for angle in angles])
 
 
-def roof(thickness, plies="isotropic", cells=16, degree=1):
+def roof(thickness, plies="isotropic", cells=16, degree=1, comm=MPI.COMM_WORLD):
     """A quarter, from the crown (a = 0) to the hinge, from the middle (b = 0) to the free edge."""
 
     def place(a, b):
@@ -56,7 +58,7 @@ def roof(thickness, plies="isotropic", cells=16, degree=1):
     names = ("crown", "hinge", "middle", "free")
     # plies are laid from the axis of the cylinder
     surface = meshes.patch(place, (cells, cells), degree, normal=normal, names=names, warp="b")
-    shell = Shell(surface, fabric(thickness, plies))
+    shell = Shell(surface, fabric(thickness, plies), comm)
     shell.supports.symmetry("crown", (1.0, 0.0, 0.0))
     shell.supports.symmetry("middle", (0.0, 1.0, 0.0))
     shell.supports.hold("hinge")
@@ -108,6 +110,20 @@ def test_a_thin_roof_needs_few_solves():
     path = follow(roof(6.35), points[-1, 0], watch=WATCHED, iterations=6, first=0.1)
     assert distances(path, points).max() <= 0.01
     assert path.iterations.sum() <= 60
+
+
+def test_ranks_do_not_matter():
+    """All ranks together and each by itself follow the same path, to roundoff."""
+    together = follow(roof(6.35, cells=6), to_displacement=(MIDDLE, "z", -20.0), watch=WATCHED)
+    alone = roof(6.35, cells=6, comm=MPI.COMM_SELF)
+    alone = follow(alone, to_displacement=(MIDDLE, "z", -20.0), watch=WATCHED)
+    assert together.stopped == alone.stopped == "displacement"
+    assert together.iterations.tolist() == alone.iterations.tolist()
+    assert together.levels == pytest.approx(alone.levels, abs=1e-10)
+    for name in WATCHED:
+        assert together.reactions[name] == pytest.approx(alone.reactions[name], abs=1e-8 * LOAD)
+    field = alone.states[-1].field
+    assert together.states[-1].field == pytest.approx(field, abs=1e-10 * np.abs(field).max())
 
 
 def test_the_thin_roof_snaps_back():
