@@ -43,8 +43,8 @@ class InnerProduct:
         return self.comm.allreduce(own).tolist()
 
 
-class Added(Protocol):
-    """The equation added to F = 0."""
+class Constraint(Protocol):
+    """The equation that is added to F = 0."""
 
     def level_change(self, a: np.ndarray, b: np.ndarray, moved: np.ndarray, levels: float) -> float:
         """Change of the level that fulfils it, to first order or better.
@@ -65,7 +65,7 @@ class Sphere:
         self.inner, self.radius, self.before = inner, radius, before
 
     def level_change(self, a: np.ndarray, b: np.ndarray, moved: np.ndarray, levels: float) -> float:
-        """See `Added`; where b does not meet the sphere, to the point of b nearest to it."""
+        """See `Constraint`; where b does not meet the sphere, to the point of b nearest to it."""
         here, before = moved + a, self.before
         bb, hb, hh, mm, mb, sense = self.inner(
             (b, b), (here, b), (here, here), (moved, moved), (moved, b), (before, b)
@@ -86,7 +86,7 @@ class Plane:
         self.row, self.weight, self.distance = row, weight, distance
 
     def level_change(self, a: np.ndarray, b: np.ndarray, moved: np.ndarray, levels: float) -> float:
-        """See `Added`."""
+        """See `Constraint`."""
         own = np.array([np.vdot(self.row, moved + a), np.vdot(self.row, b)])
         ahead, slope = self.comm.allreduce(own) + np.array([self.weight * levels, self.weight])
         return np.nan if slope == 0.0 else (self.distance - ahead) / slope
@@ -118,7 +118,7 @@ class ArcLength:
         # norm [N] of the loads, the largest on the path: where they pass zero it still is a scale
         self._loads: float | None = None
 
-    def step(self, added: Added, most: int) -> Step | None:
+    def step(self, constraint: Constraint, most: int) -> Step | None:
         """A step from the present point; its Step, or None with the point restored.
 
         `most` : int, iterations after which it is given up, if `snes_max_it` is not less
@@ -145,7 +145,7 @@ class ArcLength:
                 reason = PETSc.SNES.ConvergedReason.DIVERGED_LINEAR_SOLVE
             if reason == 0:
                 a, b = (v.array_r.reshape(-1, 5)[:, :3] for v in (self._a, self._b))
-                change = added.level_change(a, b, moved, eq.level - level)
+                change = constraint.level_change(a, b, moved, eq.level - level)
                 if not np.isfinite(change):
                     reason = PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
             if reason < 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Buckling loads: where the tangent of Eq. 13 becomes singular, foretold from a state of rest.
+"""Buckling loads: where the tangent of Eq. 13 becomes singular, predicted from one equilibrium.
 
 At a state on the path with tangent K, a further change mu of the level makes the tangent
 

@@ -50,7 +50,7 @@ def follow(
     to_level : float, load level that ends the path, which is met exactly
     to_displacement : (place, direction, value), ends the path too: the mean displacement [m] of the
         nodes of a place along "x", "y", "z" or a vector (3,), which is met exactly
-    watch : name -> place (see `Partition.find`), what the path tells displacements and reactions of
+    watch : name -> place (see `Partition.find`), whose displacements and reactions the path records
     first : float, change of the level in the first step, which gives the direction;
         None: a twentieth of the way to `to_level`
     iterations : int, desired for each step: more make steps longer

@@ -15,6 +15,7 @@ import pytest
 
 import meshes
 from shellform import Fabric, NotConverged, Shell, Statics, follow
+from shellform.fem.director import rotation_matrix
 from shellform.statics.equilibrium import Equilibrium
 from shellform.statics.path import Path, PathState
 
@@ -97,6 +98,34 @@ def test_a_displacement_ends_the_path():
     assert path.displacements["ridge"][-1, 2] == pytest.approx(-RISE, abs=1e-12)
     assert path.levels[-1] == pytest.approx(0.0, abs=1e-5)
     assert path.levels.max() > 0.9
+
+
+def test_a_path_on_inclined_axes():
+    """All of it turned in space, supports on inclined planes: the same path, turned."""
+    turn = rotation_matrix(np.array([0.4, -0.7, 0.3]))
+    level_surface = bars().surface
+    surface = level_surface.transform(rotation=turn)
+    fabric = Fabric.isotropic(MODULUS, 0.0, THICKNESS, 1000.0)
+    shell = Shell(surface, fabric, membrane="chords", curvature="plain")
+    top = np.flatnonzero(ridge(level_surface.points))
+    for edge in ("left", "right"):
+        shell.supports.hold(edge)
+    for edge in ("bottom", "top"):
+        shell.supports.symmetry(edge, turn[:, 1])
+    shell.supports.hold_normal(top, turn[:, 0])
+    shell.loads.point(top, -LIMIT / 2 * turn[:, 2])
+    end = (top, turn[:, 2], -RISE)
+    path = follow(shell, 2.0, to_displacement=end, watch={"ridge": top, "left": "left"})
+    along = path.displacements["ridge"] @ turn
+    assert path.stopped == "displacement"
+    assert along[-1] == pytest.approx([0.0, 0.0, -RISE], abs=1e-12)
+    assert path.levels * LIMIT == pytest.approx(exact(-along[:, 2]), abs=1e-5 * LIMIT)
+    assert path.reactions["left"] @ turn[:, 2] == pytest.approx(
+        path.levels * LIMIT / 2, abs=1e-6 * LIMIT
+    )
+    # the curve turns with the points
+    _, curve = path.curve("ridge")
+    assert curve @ turn[:, :2] == pytest.approx(np.zeros((1000, 2)), abs=1e-9)
 
 
 def test_levels_are_met_exactly_near_a_limit_point():
@@ -277,7 +306,7 @@ def test_free_motions_are_refused():
 
 
 def test_a_path_that_cannot_go_on_is_kept():
-    """An amplitude that ends at half the limit load: no step leads beyond, the path is told."""
+    """An amplitude that ends at half the limit load: no step leads beyond, the path is kept."""
     shell = bars()
     shell.supports.hold(ridge, "x")
     shell.loads.point(ridge, (0.0, 0.0, -LIMIT / 2), lambda level: min(level, 0.5))
