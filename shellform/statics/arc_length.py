@@ -21,7 +21,8 @@ from petsc4py import PETSc
 
 import numpy as np
 
-from shellform.fem.dolfinx_compat import exceptions_as_raised
+from shellform.fem.callback_errors import exceptions_as_raised
+from shellform.fem.dolfinx_compat import DIVERGED_NOT_FINITE
 from shellform.fem.lumped_mass import nodal_areas
 
 from .equilibrium import Equilibrium
@@ -113,6 +114,7 @@ class ArcLength:
         self.factorisations = 0
         x = equilibrium.x
         self._a, self._b, self._right = x.duplicate(), x.duplicate(), x.duplicate()
+        newton.snes.setSolution(x)  # its monitors look at it
         self._ksp = newton.snes.getKSP()
         self._ksp.setFromOptions()
         # norm [N] of the loads, the largest on the path: where they pass zero it still is a scale
@@ -147,7 +149,7 @@ class ArcLength:
                 a, b = (v.array_r.reshape(-1, 5)[:, :3] for v in (self._a, self._b))
                 change = constraint.level_change(a, b, moved, eq.level - level)
                 if not np.isfinite(change):
-                    reason = PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
+                    reason = DIVERGED_NOT_FINITE
             if reason < 0:
                 self.newton.reason = REASONS.get(reason, str(reason))
                 eq.level = level

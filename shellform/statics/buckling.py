@@ -129,7 +129,8 @@ def _slepc() -> Any:
     except ImportError as error:
         raise ImportError(
             "buckling loads need slepc4py, which is not here: install Debian's or Ubuntu's "
-            "python3-slepc4py, or conda's slepc4py, of the release of this petsc4py"
+            "python3-slepc4py, or conda's slepc4py, of the release of this petsc4py (the wheel of "
+            "PyPI brings it)"
         ) from error
     return SLEPc
 

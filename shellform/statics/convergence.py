@@ -13,6 +13,8 @@ from petsc4py import PETSc
 
 import numpy as np
 
+from shellform.fem.dolfinx_compat import DIVERGED_NOT_FINITE
+
 from .equilibrium import Equilibrium
 
 # Residual and measurement are two samples of one noise: on cells of all kinds, up to 1000 times as
@@ -56,7 +58,7 @@ class Convergence:
         reasons = PETSc.SNES.ConvergedReason
         rtol, atol, stol, max_it = tolerances
         if not np.isfinite(residual):
-            return reasons.DIVERGED_FNORM_NAN
+            return DIVERGED_NOT_FINITE
         eq = self.equilibrium
         self.roundoff = roundoff = eq.roundoff()
         if residual <= atol or residual <= rtol * (eq.force_scale() if loads is None else loads):
