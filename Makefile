@@ -13,9 +13,9 @@ export OMP_NUM_THREADS := 1
 # mpirun gives its ranks a terminal even where there is none.
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
-# Roll-up, drape, a short walk; ranks; director, shell, statics, Newmark's steps; the platform itself.
+# Roll-up, drape, a short walk; ranks; director, shell, statics, Newmark's steps; dolfinx itself.
 SLICE := tests/demos/test_demos.py tests/simulation/test_run.py tests/test_parallel.py \
-  tests/test_launcher.py tests/platform tests/fem/test_dolfinx_compat.py tests/fem/test_director.py \
+  tests/test_launcher.py tests/fem/test_dolfinx_compat.py tests/fem/test_director.py \
   tests/fem/test_shell.py tests/statics/test_load_stepping.py tests/statics/test_supports.py \
   tests/statics/test_loads.py tests/dynamics/test_explicit.py tests/dynamics/test_implicit.py
 

@@ -59,8 +59,14 @@ def test_a_home_that_cannot_be_written_to(places, tmp_path):
 def test_a_temporary_folder_that_cannot_be_written_to(ranks, monkeypatch):
     """Open MPI would end as it starts."""
     monkeypatch.setenv("TMPDIR", NOWHERE)
-    program = "import shellform; from mpi4py import MPI; print('of', MPI.COMM_WORLD.size)"
-    program += "; import os; print(*shellform.writable_folders.NOTES, os.environ.get('TMPDIR'))"
+    # one write a rank: those of ranks mix
+    program = (
+        "import os, sys, shellform\n"
+        "from mpi4py import MPI\n"
+        "from shellform.writable_folders import NOTES\n"
+        "words = f'of {MPI.COMM_WORLD.size}', *NOTES, str(os.environ.get('TMPDIR'))\n"
+        "sys.stdout.write(' '.join(words) + chr(10))"
+    )
     done = launch(ranks, "-c", program)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count(f"of {ranks}") == ranks and done.stdout.count("None") == ranks

@@ -15,6 +15,7 @@ import numpy as np
 
 from shellform.errors import Unstable
 from shellform.fem.callback_errors import exceptions_as_raised
+from shellform.fem.destroyed_together import destroy_with
 from shellform.fem.dolfinx_compat import Function, petsc_view
 from shellform.fem.lumped_mass import lumped
 from shellform.fem.shell import Shell
@@ -65,7 +66,7 @@ class Stepper:
         self.ts.setType(PETSc.TS.Type.PYTHON)
         # PETSc's hold on it is one that Python's collector cannot see: the two would never be freed
         self.ts.setPythonContext(_Context(weakref.proxy(self)))
-        weakref.finalize(self, self.ts.destroy)  # at exit too: PETSc is finalised later
+        destroy_with(self, self.ts, shell.comm)
         self.ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         self.ts.setMaxSteps(2**31 - 1)
         # PETSc copies this vector around every step: it must not be the memory of w

@@ -51,6 +51,9 @@ if PETSc.ScalarType is not np.float64:
 
 _TO_COMPILE = inspect.signature(fem.form).parameters
 _OPTIONS = "jit_options" if "jit_options" in _TO_COMPILE else "jit_params"
+_REASONS = PETSc.SNES.ConvergedReason  # of a residual that is no number, renamed in PETSc 3.25
+_NOT_FINITE = ("DIVERGED_FNORM_NAN", "DIVERGED_FUNCTION_NANORINF")
+DIVERGED_NOT_FINITE = next(getattr(_REASONS, n) for n in _NOT_FINITE if hasattr(_REASONS, n))
 _TO_MAKE = inspect.signature(dolfinx.mesh.create_mesh).parameters
 
 

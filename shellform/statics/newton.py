@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from petsc4py import PETSc
 
 from shellform.fem.callback_errors import exceptions_as_raised
+from shellform.fem.destroyed_together import destroy_with
 
 from .convergence import Convergence
 from .equilibrium import Equilibrium
@@ -76,7 +77,7 @@ class Newton:
         self.snes.setUpdate(lambda snes, iteration: me._advance(iteration))
         self.snes.setConvergenceTest(lambda *state: me._converged(*state))
         self.snes.setFromOptions()
-        weakref.finalize(self, self.snes.destroy)  # at exit too: PETSc is finalised later
+        destroy_with(self, self.snes, eq.shell.comm)
 
     def solve(self, level: float) -> Step | None:
         """Solve at a load level or time from the present state; returns a Step, None if it fails.

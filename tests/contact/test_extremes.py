@@ -140,9 +140,9 @@ def test_a_body_that_jumps_under_explicit_steps():
         meeting.cloth_on(meeting.patch(cells=2), body, 0.05)
 
 
-def test_a_rod_below_the_cells_is_warned_of_under_implicit_steps():
+def test_a_rod_below_the_cells_is_refused_under_implicit_steps():
     body = Body([Segment("rod", (0.003, 10.0, 0.003), Fixed())])
-    with pytest.warns(UserWarning, match=r"'rod' is 6 mm thick .* between nodes 40 mm apart"):
+    with pytest.raises(ValueError, match=r"'rod', 6 mm thick, .* nodes of cells 56.6 mm across"):
         meeting.patch(side=0.2, cells=5, dt=1e-3).add(Contact(body))
 
 

@@ -9,6 +9,7 @@ import pytest
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Contact, Fabric, ImplicitNewmark, Newmark, Shell, Statics
+from tests.ranks import launch, needs_mpirun
 
 BALL = Body([Segment("ball", (0.2, 0.2, 0.2), Fixed((0.5, 0.5, -0.21)))])
 
@@ -46,3 +47,31 @@ def test_solvers_are_freed_with_their_meshes(make):
     del solver
     gc.collect()
     assert sheet() is None and mesh() is None
+
+
+PROGRAM = """
+import gc
+from mpi4py import MPI
+from shellform import Newmark
+from shellform.fem.destroyed_together import destroy_unwanted
+from tests.dynamics.test_freed import bent, fallen, shell
+
+world = MPI.COMM_WORLD
+solvers = [bent(), fallen(Newmark(shell()))]
+for rank, count in ((0, 0), (1, 2)):
+    if world.rank == rank:
+        del solvers[:]
+        gc.collect()
+    world.Barrier()
+    assert destroy_unwanted(world) == count
+solvers = [bent()]
+"""
+
+
+@needs_mpirun
+@pytest.mark.serial
+@pytest.mark.slow
+def test_ranks_may_free_at_different_times():
+    """MUMPS gives back what it holds on all ranks at once: one that frees earlier may not wait."""
+    done = launch(2, "-c", PROGRAM, timeout=300)
+    assert done.returncode == 0, done.stderr[-2000:]

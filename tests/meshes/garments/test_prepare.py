@@ -100,7 +100,10 @@ def mixed():
 def crowded():
     surface = meshes.skirt(cell_size=0.04)
     one, other = surface.edges["seam"][4]
-    fin = surface.points[[other, one]] + [0.1, 0.0, 0.0]
+    # folded back over the cell beside, a little off it
+    beside = next(c for c in surface.cells if one in c and other in c)
+    inner = surface.points[beside].mean(axis=0) - surface.points[[one, other]].mean(axis=0)
+    fin = surface.points[[other, one]] + inner + 0.02 * surface.directors[one]
     cells = np.vstack([surface.cells, [[one, other, *len(surface.points) + np.arange(2)]]])
     points = np.vstack([surface.points, fin])
     return Surface(points, cells, surface.edges, source="mine.obj", verify=False)
