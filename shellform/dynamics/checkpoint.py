@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from shellform import __version__
-from shellform.fem.dolfinx_compat import given_cells
 
 from .explicit import Newmark
 
@@ -81,8 +80,7 @@ def load(path: str | Path, stepper: Newmark) -> dict[str, np.ndarray]:
     if friction is not None:
         if "slips" not in state or state["slips"].shape[1:] != friction.slips.shape[1:]:
             raise ValueError(f"{path} holds no state of this cloth's friction")
-        cells = given_cells(stepper.shell.mesh)[: len(friction.slips)]
-        friction.set_slips(state["slips"][cells])
+        friction.set_slips(state["slips"][partition.cells[: len(friction.slips)]])
         friction.lost = float(state["hysteresis"]) if first else 0.0
     if stepper.contact is not None:
         if "segment" not in state:

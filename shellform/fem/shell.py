@@ -267,7 +267,7 @@ class Shell:
             form = self.weak_form
             pairs = form.newton(self.before, self.step)
             if self.fabric.friction is not None:
-                terms = friction_terms(self.mesh, self.surface, self.fabric, self._slips)
+                terms = friction_terms(self.partition, self.fabric, self._slips)
                 friction = WeakForm(self.mesh, terms, self.w, self.reference)
                 pairs += friction.newton(self.before, self.step)
             self._compiled["strain"] = compiled(pairs)

@@ -16,20 +16,20 @@ import numpy as np
 
 import ufl
 
-from meshes import Surface
 from shellform.material.friction import ClothFriction
 from shellform.material.sheet import Sheet
 
 from . import strains
-from .dolfinx_compat import Expr, Function, Mesh
+from .dolfinx_compat import Expr, Function
 from .element import warp_field
+from .partition import Partition
 from .terms import Term
 
 if TYPE_CHECKING:
     from .cell_stress import CellStress
 
 
-def friction_terms(mesh: Mesh, surface: Surface, fabric: Sheet, slips: Function) -> list[Term]:
+def friction_terms(partition: Partition, fabric: Sheet, slips: Function) -> list[Term]:
     """Terms of friction inside the cloth in the middle of cells, as of an implicit step.
 
     The density of a slider at the slip p is k x^2/2 while it sticks, x = e - p, and where it slips
@@ -38,13 +38,13 @@ def friction_terms(mesh: Mesh, surface: Surface, fabric: Sheet, slips: Function)
 
     Parameters
     ----------
-    mesh, surface, fabric : as for `energy_terms`, of triangles or quads in their default form
+    partition, fabric : as for `energy_terms`, of triangles or quads in their default form
     slips : field of a number a slider and cell, strain by strain, see `ClothFriction.table`
 
     That of the membrane of quads by six lengths is not among them, as it belongs to no point.
     """
-    V = strains.voigt(strains.lamina(mesh, warp_field(mesh, surface.warp)))
-    triangle = surface.kind == "triangle"
+    V = strains.voigt(strains.lamina(partition.mesh, warp_field(partition)))
+    triangle = partition.surface.kind == "triangle"
     rule = "centroid" if triangle else "centre"
     measures = {3: strains.curvature_turning_sides if triangle else strains.curvature_turning}
     if triangle:

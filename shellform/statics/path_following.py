@@ -64,8 +64,9 @@ def follow(
 
     Raises
     ------
-    ValueError for a goal that is no finite number or is met at the start, and where supports leave
-    a rigid motion free; NotConverged where no step is short enough, with `path` up to there
+    ValueError for a goal that is no finite number or is met at the start, where supports leave
+    a rigid motion free, and for a `start` of cloth with friction inside; NotConverged where no step
+    is short enough, with `path` up to there
 
     Notes
     -----
@@ -87,6 +88,11 @@ def follow(
         raise ValueError(
             "iterations must be 2 or more, max_steps 1 or more, and longest positive, not "
             f"{iterations}, {max_steps} and {longest}"
+        )
+    if start is not None and shell.fabric.friction is not None:
+        raise ValueError(
+            "a path of cloth with friction inside hangs on its past: follow it from the reference "
+            "state, without `start`"
         )
     equilibrium = Equilibrium(shell, mip)
     newton = Newton(equilibrium, prefix)
@@ -110,6 +116,7 @@ def follow(
             except NotConverged as error:
                 error.path = record.path("not converged")
                 raise
+            shell.keep_slips()
             record.add(arc)
             if end:
                 break

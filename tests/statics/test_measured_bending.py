@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import meshes
-from shellform import Shell, Statics
+from shellform import Shell, Statics, follow as follow_path
 from shellform.material.friction import follow
 from shellform.material.measurements import measured_fabric
 
@@ -21,17 +21,22 @@ REST = {
 UNIT = 9.80665e-3  # N, of gf cm/cm
 
 
-def bent(fabric, moments, triangles=False):
-    """Curvatures [1/m] of a strip at moments [N] of its end, in a plane."""
+def clamped(fabric, most, triangles=False):
+    """A strip that a moment [N] at its end bends in a plane, and the nodes of that end."""
     surface = meshes.rectangle(LENGTH, 0.005, (16, 2), triangles=triangles)
     shell = Shell(surface.replace(warp=(1.0, 0.0, 0.0)), fabric)
     everywhere = np.arange(len(surface.points))
     shell.supports.clamp("left")
     shell.supports.hold(everywhere, "y")
     shell.supports.hold_director(everywhere, plane=(0.0, 1.0, 0.0))
-    most = np.abs(moments).max()
     shell.loads.edge_moment("right", (0.0, -most, 0.0))
-    tip = np.flatnonzero(surface.points[:, 0] > LENGTH - 1e-9)
+    return shell, np.flatnonzero(surface.points[:, 0] > LENGTH - 1e-9)
+
+
+def bent(fabric, moments, triangles=False):
+    """Curvatures [1/m] at moments [N]."""
+    most = np.abs(moments).max()
+    shell, tip = clamped(fabric, most, triangles)
     curvatures = []
     with Statics(shell) as statics:
         for _ in statics.march(np.array(moments) / most):
@@ -69,6 +74,20 @@ def test_loop_of_2HB(triangles):
     # first loading slips over 150 - slip, both branches over 300 - 2 slip, per area
     lost = HB * (150 - slip) + 2 * HB * (300 - 2 * slip)
     assert shell.friction_loss() == pytest.approx(lost * shell.surface.area, rel=5e-3)
+
+
+def test_a_path_keeps_its_slips():
+    """Arc length up the branch on which sliders slip: the same curve and the same loss."""
+    B, HB, slip = 13.3e-6, 3.05e-4, 5.0
+    fabric = measured_fabric(REST | {"B_warp_uN_m": 1e6 * B, "2HB_warp_N": 2 * HB})
+    shell, tip = clamped(fabric, 150.0 * B + HB)
+    path = follow_path(shell)
+    d = shell.directors()[tip]
+    assert abs(np.mean(np.arctan2(d[:, 0], d[:, 2]))) / LENGTH == pytest.approx(150.0, rel=5e-3)
+    lost = HB * (150 - slip) * shell.surface.area
+    assert shell.friction_loss() == pytest.approx(lost, rel=5e-3)
+    with pytest.raises(ValueError, match="friction inside"):
+        follow_path(shell, 2.0, start=path.states[-1])
 
 
 @pytest.mark.parametrize("triangles", [False, True])
