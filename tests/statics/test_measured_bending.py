@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import meshes
-from shellform import Shell, Statics, follow as follow_path
+from shellform import Shell, Statics
+from shellform import follow as follow_path
 from shellform.material.friction import follow
 from shellform.material.measurements import measured_fabric
 
