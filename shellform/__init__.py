@@ -41,7 +41,9 @@ if TYPE_CHECKING:
     from .scene.scene import Scene
     from .simulation.check import check
     from .simulation.ensemble import resume, run
+    from .statics.buckling import buckling_loads
     from .statics.load_stepping import Statics
+    from .statics.path_following import follow
 
 __version__ = "0.1.0"
 
@@ -53,6 +55,8 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     # sheets, at rest and in motion
     "Shell",
     "Statics",
+    "follow",
+    "buckling_loads",
     "Newmark",
     "ImplicitNewmark",
     "Particles",
@@ -107,7 +111,9 @@ _HOMES = {
     "Torque": "shellform.results.joint_torque",
     "Unstable": "shellform.errors",
     "Wearer": "shellform.motion.wearer",
+    "buckling_loads": "shellform.statics.buckling",
     "check": "shellform.simulation.check",
+    "follow": "shellform.statics.path_following",
     "read_fabric": "shellform.material.card",
     "read_motion": "shellform.motion.capture.read_motion",
     "resume": "shellform.simulation.ensemble",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | trade | run | resume | compare`.
+"""The command: `shellform new | check | trade | run | resume | compare | export`.
 
 Also as `python -m shellform`.
 
@@ -9,6 +9,7 @@ Also as `python -m shellform`.
     shellform run scene.toml        dresses the wearer, plays the motion, reports torques
     shellform resume out/scene      goes on with a run that was stopped
     shellform compare out/a out/b   says whether two runs differ in their torques
+    shellform export out/a --to opensim     writes its forces and torques for OpenSim
 
 Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
 """
@@ -119,6 +120,18 @@ def parser() -> argparse.ArgumentParser:
     )
     compare.add_argument("one", type=Path, help="folder of a run")
     compare.add_argument("other", type=Path, help="folder of another, with other cloth or garment")
+    export = kinds.add_parser(
+        "export", allow_abbrev=False, help="write a run's forces and torques for OpenSim"
+    )
+    export.add_argument("out", type=Path, help="folder of the run")
+    export.add_argument("--to", choices=["opensim"], default="opensim", help="the program")
+    export.add_argument(
+        "--model",
+        choices=["rajagopal", "gait2392"],
+        default="rajagopal",
+        help="whose names and signs the coordinates have (default: %(default)s)",
+    )
+    export.add_argument("--folder", type=Path, help="for the files (default: opensim in OUT)")
     for kind in (run, resume):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
     return top
@@ -150,6 +163,8 @@ def main(given: Sequence[str] | None = None) -> None:
 
         found = compare_runs(options.one, options.other)
         console.say(comparison_lines(found, str(options.one), str(options.other)))
+    elif options.do == "export":
+        _export(options)
     else:
         from shellform.simulation.ensemble import resume
 
@@ -178,6 +193,16 @@ def _run(options: argparse.Namespace) -> None:
     if options.estimate:
         estimate(scene, out)
     _show(out, results, options.no_pictures)
+
+
+def _export(options: argparse.Namespace) -> None:
+    """Files for another program, by rank 0."""
+    if MPI.COMM_WORLD.rank:
+        return
+    from shellform.export.opensim import export, export_lines
+
+    folder = options.folder or options.out / options.to
+    console.say(export_lines(export(options.out, folder, options.model), folder))
 
 
 def _show(out: Path, results: dict, no_pictures: bool) -> None:

@@ -2,10 +2,15 @@
 """What can go wrong in a run, by name: in a file of its own, as naming an error loads no solver."""
 
 from collections.abc import Mapping
+from typing import Any
 
 
 class NotConverged(RuntimeError):
     """No solution at some load level after every cut-back; the last good state is kept.
+
+    Attributes
+    ----------
+    path : statics.path.Path up to there where a path was followed, else None
 
     Examples
     --------
@@ -16,6 +21,8 @@ class NotConverged(RuntimeError):
     ...     print(error)
     no equilibrium found just beyond level 0.5
     """
+
+    path: Any = None
 
 
 class Unstable(RuntimeError):

@@ -35,6 +35,10 @@ def save(path: str | Path, stepper: Newmark, more: dict[str, Any] | None = None)
         "totals": comm.allreduce(stepper.books.impulses),
         "version": np.array(__version__),
     } | (more or {})
+    friction = stepper.force_model.friction
+    if friction is not None:
+        state["slips"] = stepper.shell.partition.gather_cells(friction.slips)
+        state["hysteresis"] = np.array(comm.allreduce(friction.lost))
     for part in stepper.parts:
         state |= part.saved()
     if comm.rank == 0:
@@ -72,6 +76,12 @@ def load(path: str | Path, stepper: Newmark) -> dict[str, np.ndarray]:
     # sums over ranks live on the first one
     stepper.books.works[:] = state["work"] if first else 0.0
     stepper.books.impulses[:] = state["totals"] if first else 0.0
+    friction = stepper.force_model.friction
+    if friction is not None:
+        if "slips" not in state or state["slips"].shape[1:] != friction.slips.shape[1:]:
+            raise ValueError(f"{path} holds no state of this cloth's friction")
+        friction.set_slips(state["slips"][partition.cells[: len(friction.slips)]])
+        friction.lost = float(state["hysteresis"]) if first else 0.0
     if stepper.contact is not None:
         if "segment" not in state:
             raise ValueError(f"{path} holds no state of contact")

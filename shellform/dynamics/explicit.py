@@ -273,6 +273,8 @@ class Newmark(Stepper):
     def balance(self) -> dict[str, float]:
         """See Stepper; internal: the work of internal forces on nodes and directors.
 
+        What friction inside the cloth has lost, where there is any, is that up to the present.
+
         Damping is booked kick by kick, see `ForceModel.damping_loss`.
         """
         v, q, works = self._present()
@@ -282,6 +284,8 @@ class Newmark(Stepper):
         sums = comm.allreduce(np.array([*works, moving[6]]))
         now = dict(zip((*WORKS, "kinetic"), sums.tolist(), strict=True))
         now["strain"] = sum(self.strain_energy().values())
+        if self.force_model.friction is not None:
+            now["hysteresis"] = comm.allreduce(self.force_model.friction.lost)
         return now
 
     def find_stable_step(self, iterations: int = 30) -> float:

@@ -7,9 +7,12 @@ and a linear stand-in from which the stable step follows. `ShellForce` is the di
 `Newmark(shell, force_model=...)`.
 """
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from shellform.fem.cell_stress import CellStress
 
 
 class ForceModel(Protocol):
@@ -21,9 +24,13 @@ class ForceModel(Protocol):
     Attributes
     ----------
     turns_directors : bool; False: directors are held, as the forces know none
+    friction : what slips inside the cloth as forces are asked for, None: nothing does
     """
 
     turns_directors: bool
+
+    @property
+    def friction(self) -> "CellStress | None": ...
 
     def force(self, w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float) -> np.ndarray:
         """Forces with damping, at a time [s]; may be written over by the next call."""

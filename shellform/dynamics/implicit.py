@@ -195,6 +195,7 @@ class ImplicitNewmark(Stepper):
             eq.restore(state)
             return False
         self._finish(old, force, outer, dt)
+        self.shell.keep_slips()
         self.newton_iterations += done[0]
         self.clock.time, self.clock.steps = self.time + dt, self.steps + 1
         for part in self.parts:

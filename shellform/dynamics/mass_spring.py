@@ -143,6 +143,11 @@ class Particles(Newmark):
                 f"springs follow the default law of a sheet, not {shell.law!r}: use Newmark, or "
                 "make the shell without `law`"
             )
+        if shell.fabric.friction is not None:
+            raise ValueError(
+                f"springs have no friction inside the cloth, which '{shell.fabric.name}' has: use "
+                "Newmark, or shell.fabric.with_friction(None)"
+            )
         check_settings(time_step_factor, damping, drag)
         if strain_limit is not None and not strain_limit > 0:
             raise ValueError(f"a strain limit is above zero, as 0.1, not {strain_limit}")

@@ -4,15 +4,20 @@
 Pressure follows the sheet, so its force is one of the configuration: it is taken off here.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shellform.fem.dolfinx_compat import Function
-from shellform.fem.internal_force import InternalForce
+from shellform.fem.internal_force import Frozen, InternalForce
 from shellform.fem.shell import Shell
 
 from . import explicit_kernels
+
+if TYPE_CHECKING:
+    from shellform.fem.cell_stress import CellStress
 
 
 class ShellForce:
@@ -48,11 +53,16 @@ class ShellForce:
         pressure = shell.loads.pressure_at(time, 1.0) if shell.loads.pressures else 0.0
         return self.internal(w, pressure, self._ahead)[: self._n]
 
-    def freeze(self, w: np.ndarray) -> np.ndarray | None:
-        """See ForceModel; None for a sheet that is not relaxed."""
+    @property
+    def friction(self) -> CellStress | None:
+        """See ForceModel."""
+        return self.internal.cells if self.shell.fabric.friction is not None else None
+
+    def freeze(self, w: np.ndarray) -> Frozen | None:
+        """See ForceModel; None for a sheet whose force is smooth."""
         return self.internal.freeze(w)
 
-    def elastic(self, w: np.ndarray, frozen: np.ndarray | None) -> np.ndarray:
+    def elastic(self, w: np.ndarray, frozen: Frozen | None) -> np.ndarray:
         """See ForceModel; without pressure."""
         return self.internal(w, frozen=frozen)[: self._n]
 

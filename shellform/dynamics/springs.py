@@ -163,6 +163,7 @@ class Springs:
     """
 
     turns_directors = False
+    friction = None
 
     def __init__(
         self,

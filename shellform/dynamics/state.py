@@ -8,7 +8,9 @@ import numpy as np
 
 def changing(stepper: Any) -> list[np.ndarray]:
     """The arrays that steps change."""
-    return [stepper.w, stepper.v, stepper.q, *stepper.books]
+    friction = stepper.force_model.friction
+    inside = [] if friction is None else friction.state
+    return [stepper.w, stepper.v, stepper.q, *stepper.books, *inside]
 
 
 class State:

@@ -215,10 +215,13 @@ class Stepper:
         """Energies and works so far [J] at the present time, on every rank.
 
         Keys: kinetic, strain; work done by external forces and supports; what drag and damping
-        took, the latter up to a constant.
+        took, the latter up to a constant; hysteresis, what friction inside the cloth lost, where
+        there is any.
         """
         kinetic, strain = self.momenta()[2], sum(self.strain_energy().values())
         work = {kind: self.shell.comm.allreduce(value) for kind, value in self.work.items()}
+        if self.shell.fabric.friction is not None:
+            work["hysteresis"] = self.shell.friction_loss()
         return work | {"kinetic": kinetic, "strain": strain}
 
     def check_finite(self, total: float, dt: float, fault: str | None = None) -> None:

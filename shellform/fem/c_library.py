@@ -33,19 +33,20 @@ from .quiet_compiler import LOG
 HASH = 32  # bytes of a SHA-256
 
 
-def library(source: Path, declarations: str) -> tuple[Any, Any]:
+def library(source: Path, declarations: str, *options: str) -> tuple[Any, Any]:
     """Interface of cffi and the library of a C file, compiled unless it is kept.
 
     Parameters
     ----------
     declarations : of the functions wanted, as in C
+    options : further flags of the compiler, as "-DNODES=3"
 
     Raises
     ------
     ValueError for SHELLFORM_CFLAGS that are no flags; CompilerError if there is no C compiler, if
     it refuses, or has nowhere to write to
     """
-    return _opened(source, declarations, tuple(compiler()), tuple(compiler_flags()))
+    return _opened(source, declarations, tuple(compiler()), (*compiler_flags(), *options))
 
 
 @cache
@@ -71,7 +72,16 @@ def _whole(path):
 def _key(source, command, flags):
     program = Path(shutil.which(command[0]) or command[0]).resolve()
     known = program.stat()
-    content = source.read_bytes(), command, flags, str(program), known.st_size, known.st_mtime_ns
+    headers = [file.read_bytes() for file in sorted(source.parent.glob("*.h"))]
+    content = (
+        source.read_bytes(),
+        headers,
+        command,
+        flags,
+        str(program),
+        known.st_size,
+        known.st_mtime_ns,
+    )
     return hashlib.sha256(repr((content, _processor())).encode()).hexdigest()[:24]
 
 

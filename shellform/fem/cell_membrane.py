@@ -22,7 +22,7 @@ from petsc4py import PETSc
 import numpy as np
 
 from meshes import Surface
-from shellform.material.energy import StVenant, is_quadratic
+from shellform.material.energy import StVenant
 from shellform.material.sheet import Sheet
 from shellform.material.wrinkling import WRINKLED
 
@@ -37,6 +37,7 @@ from .wrinkles import Wrinkles
 
 if TYPE_CHECKING:
     from .relaxed_law import Relaxed
+    from .sliders import Sliders
 
 NOT_RELAXED = "a sheet with wrinkles='resolved' has no cells that wrinkle: take wrinkles='relaxed'"
 SPARE_STIFFNESS = 1e-4  # share of the taut stiffness in the tangent of cells that wrinkle
@@ -55,6 +56,7 @@ class CellMembrane:
     ----------
     wrinkles : Wrinkles, None if resolved
     law : MembraneLaw
+    sliders : Sliders of friction inside the cloth, or None
     B, modes, area : of the cells, see `six_lengths`
     """
 
@@ -78,6 +80,7 @@ class CellMembrane:
         self.wrinkles: Wrinkles | None = None
         self._points, self._given = points, np.zeros(len(points))
         self.law: MembraneLaw
+        self.sliders: Sliders | None = None
         self._relaxed: Relaxed | None = None
         if relaxed:
             # only here: its law is a kernel, and statics of other sheets need no compiler of those
@@ -86,7 +89,7 @@ class CellMembrane:
             self.wrinkles = Wrinkles(fabric, np.sqrt(self.area))
             self._forms.arcs = self.wrinkles.arcs
             self.law = self._relaxed = Relaxed(self._stiffness, self.wrinkles)
-        elif is_quadratic(law, "membrane"):
+        elif law.is_quadratic("membrane"):
             self.law = Quadratic(self._stiffness)
         else:
             self.law = Density(mesh, law, self._stiffness)
@@ -154,13 +157,16 @@ class CellMembrane:
         out: np.ndarray,
         w: np.ndarray,
         stress_from: tuple[np.ndarray, np.ndarray] | None = None,
+        rubbing: bool = True,
     ) -> None:
         """Add the nodal forces to `out` (6 n_local,), ghosts included.
 
         `stress_from` is (w_, dw_): the stress of the lengths linearised about w_; None: exact.
+        `rubbing`: with the forces of the sliders.
         """
         cells = self._cells(w)
-        forces = self._forms.force(cells, self._pulls(self._stressing(cells, stress_from)))
+        pulls = self._pulls(self._stressing(cells, stress_from), rubbing)
+        forces = self._forms.force(cells, pulls)
         np.add.at(out, self._index.reshape(-1), forces.reshape(-1))
 
     def add_damping(self, out: np.ndarray, w: np.ndarray, rates: np.ndarray) -> None:
@@ -182,9 +188,12 @@ class CellMembrane:
         """Add the derivative of `add_force` to a matrix of the space, not yet assembled."""
         cells = self._cells(w)
         s = self._lengths(cells)
-        _, _, tangent = self.law(np.einsum("mij,mj->mi", self.B, s))
+        E = np.einsum("mij,mj->mi", self.B, s)
+        _, _, tangent = self.law(E)
+        if self.sliders is not None:
+            tangent = tangent + self.sliders(E)[1]
         if self.wrinkles is not None:
-            tangent += SPARE_STIFFNESS * self._stiffness
+            tangent = tangent + SPARE_STIFFNESS * self._stiffness
         stiffness = np.einsum("mki,mkj->mij", self.modes, self.modes)
         stiffness += self.area[:, None, None] * (self.B.transpose(0, 2, 1) @ tangent @ self.B)
         rates = self._forms.rates(cells)
@@ -211,8 +220,11 @@ class CellMembrane:
         before, step = (self._cells(field) for field in stress_from)
         return self._lengths(before) + self._forms.change(before, step)
 
-    def _pulls(self, s):
-        _, stress, _ = self.law(np.einsum("mij,mj->mi", self.B, s))
+    def _pulls(self, s, rubbing=True):
+        E = np.einsum("mij,mj->mi", self.B, s)
+        _, stress, _ = self.law(E)
+        if rubbing and self.sliders is not None:
+            stress = stress + self.sliders(E)[0]
         pulls = self.area[:, None] * np.einsum("mij,mi->mj", self.B, stress)
         return pulls + np.einsum("mki,mkj,mj->mi", self.modes, self.modes, s)
 

@@ -16,7 +16,8 @@ FFCx 0.5 compiles a form that mixes directional rules into a wrong kernel, silen
 grouped by rule and every rule becomes a form of its own. The six lengths of a quad belong to the
 cell, not to a point: cell_membrane.py has them.
 
-A law that is not quadratic in a strain gives the density of that strain's Term (terms.py). Where a
+A law that is not quadratic in a strain gives the density of that strain's Term (terms.py); measured
+curves bend quads in their middle, friction inside the cloth acts there, see cell_stress.py. Where a
 quadratic energy is shared out over several rules, or couples strains, it stays, and what the law
 has beyond it is added at 2x2 Gauss points: modes that these do not see are held by the quadratic
 part.
@@ -64,6 +65,7 @@ RULES: dict[str, list[tuple[float, float, float]]] = {
     "lines1": product_rule(GAUSS2, SIMPSON),
     "lines2": product_rule(SIMPSON, GAUSS2),
     "vertices": [(0, 0, 1 / 6), (1, 0, 1 / 6), (0, 1, 1 / 6)],
+    "centroid": [(1 / 3, 1 / 3, 1 / 2)],
 }
 
 
@@ -120,6 +122,13 @@ def energy_terms(
         *("shear", gamma, lambda p, q: cap * ufl.dot(M * p, S * (M * q)), corners),
         of_law.whole("shear", cap),
     )
+    both = of_law.both()
+    if both is not None:
+        # sides of a triangle measure arcs at its corners; six lengths of a quad are of no point
+        arcs = triangle and membrane == "arcs"
+        pair = [strains.membrane_arcs if arcs else strains.membrane_chords, kappa]
+        product = stacked_product(V, [[A, None], [None, D]])
+        return [shear, Term("membrane and bending", stacked(pair), product, inside, both)]
     if b is not None or thick:
         # products of membrane and bending strain: a positive energy needs common points
         measures: list[Callable] = [strains.membrane_chords, kappa, strains.director_strain]
@@ -133,18 +142,24 @@ def energy_terms(
             *of_law.beyond("membrane", name, measures[0], inside),
             *of_law.beyond("bending", name, measures[1], inside),
         ]
-    bending = Term("bending", kappa, stacked_product(V, [[D]]), inside, of_law.whole("bending"))
-    if has_six_lengths(surface, fabric, membrane, thick):
-        return [shear, bending]
+    product = stacked_product(V, [[D]])
+    bent = [Term("bending", kappa, product, inside, of_law.whole("bending"))]
+    if law.in_the_middle and not triangle:
+        beyond = of_law.beyond("bending", "bending", kappa, "centre")
+        bent = [Term("bending", kappa, product, inside), *beyond]
+    if has_six_lengths(surface, fabric, membrane, thick, law):
+        return [shear, *bent]
     arcs = membrane == "arcs"
     eps, place = (strains.membrane_arcs, corners) if arcs else (strains.membrane_chords, inside)
     stretching = Term("membrane", eps, stacked_product(V, [[A]]), place, of_law.whole("membrane"))
-    return [shear, stretching, bending]
+    return [shear, stretching, *bent]
 
 
-def has_six_lengths(surface: Surface, fabric: Sheet, membrane: str, thick: bool) -> bool:
+def has_six_lengths(
+    surface: Surface, fabric: Sheet, membrane: str, thick: bool, law: StVenant
+) -> bool:
     """True if the membrane of a sheet is that of cell_membrane.py: options as for `Shell`."""
-    uncoupled = not thick and not np.any(fabric.coupling)
+    uncoupled = not (thick or law.couples or np.any(fabric.coupling))
     return surface.cells.shape[1] == 4 and membrane == "arcs" and uncoupled
 
 
@@ -171,6 +186,9 @@ def _nine_nodes(V, M, stiffness, cap, thick, of_law):
         *of_law.beyond("membrane", "membrane", eps, "gauss2"),
         *of_law.beyond("shear", "shear", gam, "gauss2", cap),
     ]
+    both = of_law.both(beyond=True)
+    if both is not None:
+        return [*terms, Term("coupling", stacked([eps, kap]), None, "gauss2", both)]
     if thick:
         measures = [eps, kap, strains.director_strain]
         blocks = [[None, b, D], [b, None, E], [D, E, F]]
@@ -225,4 +243,6 @@ def terms_of(fabric: Sheet, thick: bool = False) -> list[str]:
     terms = ["membrane", "bending", "transverse shear"]
     if np.any(fabric.coupling):
         terms.append("membrane with bending")
+    if fabric.friction is not None:
+        terms.append("friction inside the cloth")
     return [*terms, "chi"] if thick else terms

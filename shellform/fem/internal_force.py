@@ -6,9 +6,11 @@ the default law go through quad_force.py; all else is differentiated by UFL, wit
 does not move packed once. A call neither allocates nor creates a Vec.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from shellform.material.energy import STRAINS, is_quadratic
+from shellform.material.energy import STRAINS
 
 from .c_compiler import compiler_flags
 from .cell_membrane import cell_warp
@@ -26,6 +28,17 @@ from .quad_force import QuadForce
 from .shell import Shell
 
 
+class Frozen(NamedTuple):
+    """A state about which the force is made smooth: that of a taut sheet whose sliders stick.
+
+    relaxed : (m, 3), stress that relaxation adds [N/m], None for a sheet that is not relaxed
+    strains : (m, 6), of `CellStress.strains`, None for a sheet without curves and friction
+    """
+
+    relaxed: np.ndarray | None
+    strains: np.ndarray | None
+
+
 class InternalForce:
     """Nodal internal forces of a shell.
 
@@ -37,6 +50,7 @@ class InternalForce:
     ----------
     r : (n_local, 6) float, forces work-conjugate to (u, d) [N, N m]; valid on owned nodes
     quads : QuadForce, None where forms give the force
+    cells : CellStress, None for a sheet without measured curves and friction inside
     loss : float [J], this rank's part of the power of damping in the last call, times its time
     """
 
@@ -58,6 +72,7 @@ class InternalForce:
                 self._cells_give = shell.wrinkles.load, shell.wrinkles.arcs
         else:
             forms = self._strain_forms()
+        self.cells = shell.cell_stress
         # of quads that the kernel does not know
         self._membrane = None if self.quads is not None else shell.cell_membrane
         self._pressure = None
@@ -127,9 +142,11 @@ class InternalForce:
         w: np.ndarray,
         pressure: float = 0.0,
         ahead: np.ndarray | None = None,
-        frozen: np.ndarray | None = None,
+        frozen: Frozen | None = None,
     ) -> np.ndarray:
         """Compute the forces at the nodal field w (n_local, 6), ghosts valid; returns `r`.
+
+        Sliders of friction inside the cloth slip to where w takes them, unless `frozen`.
 
         The force of a follower pressure [Pa] is taken off where the shell has any. `ahead`, used
         where the object is made to be damped: w plus its rates times the time of the damping.
@@ -143,7 +160,12 @@ class InternalForce:
         damped = self.damped and ahead is not None
         w, ahead = nodal(w), nodal(w if ahead is None or not damped else ahead)
         if self.quads is not None:
-            self.loss = self.quads(w, self.r, ahead if damped else None, *self._cells_give, frozen)
+            still = None if frozen is None else frozen.relaxed
+            self.loss = self.quads(w, self.r, ahead if damped else None, *self._cells_give, still)
+        if self.cells is not None and frozen is None:
+            self.cells.add_force(w, self.r)
+        elif self.cells is not None and frozen is not None and frozen.strains is not None:
+            self.cells.add_straightened(w, self.r, frozen.strains)
         if self._forms:
             np.take(w.reshape(-1), self._index, out=self._cells, mode="clip")
         if damped and self._viscous:
@@ -164,7 +186,7 @@ class InternalForce:
             self.loss += np.vdot(self._part, ahead - w)
             self.r += self._part
         if self._membrane is not None:
-            self._membrane.add_force(flat, w)
+            self._membrane.add_force(flat, w, rubbing=False)
             if damped:
                 self._part[:] = 0.0
                 self._membrane.add_damping(self._part.ravel(), w, ahead - w)
@@ -174,12 +196,13 @@ class InternalForce:
             add_ghosts(self._result)
         return self.r
 
-    def freeze(self, w: np.ndarray) -> np.ndarray | None:
-        """Stress that relaxation adds at w to that of the taut sheet; None without relaxation."""
-        load, arcs = self._cells_give
-        if self.quads is None or load is None or arcs is None:
-            return None
-        return self.quads.freeze(nodal(w), load, arcs)
+    def freeze(self, w: np.ndarray) -> Frozen | None:
+        """What makes the force smooth about w; None where it is so."""
+        (load, arcs), relaxed = self._cells_give, None
+        if self.quads is not None and load is not None and arcs is not None:
+            relaxed = self.quads.freeze(nodal(w), load, arcs)
+        strains = None if self.cells is None else self.cells.strains(nodal(w))
+        return None if relaxed is None and strains is None else Frozen(relaxed, strains)
 
 
 def nodal(field: np.ndarray) -> np.ndarray:
@@ -189,6 +212,5 @@ def nodal(field: np.ndarray) -> np.ndarray:
 
 def by_segments(shell: Shell) -> bool:
     """True if quad_force.py knows the element and the law of a shell."""
-    plain = shell.options == {"membrane": "arcs", "curvature": "turning", "thick": False}
-    plain &= all(is_quadratic(shell.law, strain) for strain in STRAINS)
-    return plain and shell.surface.cells.shape[1] == 4 and not np.any(shell.fabric.coupling)
+    known = all(shell.law.is_quadratic(strain) or shell.law.in_the_middle for strain in STRAINS)
+    return known and shell.in_default_form and shell.surface.cells.shape[1] == 4

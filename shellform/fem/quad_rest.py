@@ -67,13 +67,13 @@ def _stiffness(X, warp, fabric):
     shear, bending = [], []
     for k in range(4):
         i, j = k % 2, k // 2
-        M, area = _lamina(X[:, 1 + 2 * j] - X[:, 2 * j], X[:, 2 + i] - X[:, i], warp)
+        M, area = lamina(X[:, 1 + 2 * j] - X[:, 2 * j], X[:, 2 + i] - X[:, i], warp)
         S = np.einsum("mki,kl,mlj,m->mij", M, fabric.shear, M, area / 4)
         shear.append(S[:, *PAIR])
         p, q = LINE[i], LINE[j]
         G1 = (1 - q) * (X[:, 1] - X[:, 0]) + q * (X[:, 3] - X[:, 2])
         G2 = (1 - p) * (X[:, 2] - X[:, 0]) + p * (X[:, 3] - X[:, 1])
-        M, area = _lamina(G1, G2, warp)
+        M, area = lamina(G1, G2, warp)
         V = _voigt(M)
         bending.append(np.einsum("mki,kl,mlj,m->mij", V, fabric.bending, V, area / 4))
     return (
@@ -82,7 +82,9 @@ def _stiffness(X, warp, fabric):
     )
 
 
-def _lamina(G1, G2, warp):
+def lamina(
+    G1: np.ndarray, G2: np.ndarray, warp: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
     """strains.lamina on arrays: M (m, 2, 2) and the area |G1 x G2| (m,)."""
     a11, a12, a22 = _dot(G1, G1), _dot(G1, G2), _dot(G2, G2)
     area = np.sqrt(a11 * a22 - a12 * a12)

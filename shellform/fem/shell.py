@@ -6,9 +6,12 @@ UFL sees one nodal field w = (u, d). The internal force is the derivative of the
 two rotations of a node enter later, algebraically (director.py, equilibrium.py).
 """
 
+from __future__ import annotations
+
 import warnings
 import weakref
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -18,27 +21,33 @@ from numpy.typing import ArrayLike
 
 from meshes import Surface
 from meshes.geometry import widest_corners
-from shellform.material.energy import StVenant, check_law, is_quadratic
+from shellform.material.energy import StVenant, check_law
 from shellform.material.sheet import Sheet
 
-from .cell_membrane import NOT_RELAXED, CellMembrane
+from .cell_membrane import NOT_RELAXED, CellMembrane, cell_warp
 from .dolfinx_compat import (
     Constant,
     Function,
     assemble_matrix,
     assemble_scalar,
     assemble_vector,
+    cell_nodes,
     compiled,
     create_matrix,
+    vector_space,
 )
 from .element import check_warp, energy_terms, has_six_lengths, terms_of
 from .loads import Loads
 from .partition import Partition
 from .shape_functions import locate
+from .sliders import Sliders, friction_terms
 from .supports import Supports
 from .weak_form import WeakForm
 from .wrinkle_field import Wrinkling
 from .wrinkles import KINDS, Wrinkles
+
+if TYPE_CHECKING:
+    from .cell_stress import CellStress
 
 # field w_ of an iterate and the change since, arrays with ghosts: the stress is linearised about it
 Linearised = tuple[np.ndarray, np.ndarray]
@@ -56,9 +65,10 @@ class Shell:
         quads are not.
     fabric : Fabric
     comm : MPI communicator
-    law : StVenant (default) or one derived from it, as NeoHookean
+    law : StVenant or one derived from it, as NeoHookean; default: the fabric's, else StVenant
         What the sheet stores in its strains, see material/energy.py. Any but the default makes the
-        explicit force of 4-node quads several times dearer.
+        explicit force of 4-node quads several times dearer. Laws that couple stretching and
+        bending take quads by chords.
     membrane : 'arcs' (default) or 'chords'
         Membrane strain of triangles and 4-node quads from the lengths of arcs (three sides; four
         sides and two diagonals), or from tangents, of quads at 2x2 Gauss points. Ignored by 9-node
@@ -121,12 +131,24 @@ class Shell:
         if surface.cells.shape[1] == 4 and not comm.rank:
             warn_of_corners(surface)
         self.surface, self.fabric = surface, fabric
+        law = fabric.law if law is None else law
         self.law = StVenant() if law is None else law
         check_law(self.law, fabric)
+        if self.law.couples and (thick or np.any(fabric.coupling)):
+            raise ValueError(
+                f"{self.law!r} integrates its own energy through the thickness: it goes without "
+                "`thick` and with a fabric whose bending is not coupled with stretching"
+            )
         if wrinkles == "relaxed":
             check_relaxed(surface, fabric, self.law, membrane, thick)
         self.relaxed = wrinkles == "relaxed"
         self.options: dict = {"membrane": membrane, "curvature": curvature, "thick": thick}
+        if fabric.friction is not None and (surface.degree == 2 or not self.in_default_form):
+            raise ValueError(
+                "friction inside the cloth goes with triangles and 4-node quads in their default "
+                "form, membrane='arcs', curvature='turning' and without `thick`; or take a fabric "
+                "without friction"
+            )
         self.partition = partition = Partition(surface, comm)
         self.comm, self.mesh, self.space = comm, partition.mesh, partition.space
         self.w, self.reference = Function(self.space, name="w"), Function(self.space)
@@ -137,9 +159,17 @@ class Shell:
         self._owner: weakref.ref | None = None
 
     def rest(self) -> None:
-        """Put the sheet back into its reference state."""
+        """Put the sheet back into its reference state, in which nothing has slipped."""
         self.reference.x.array.reshape(-1, 6)[:, 3:] = self.partition.directors
         self.w.x.array[:] = self.reference.x.array
+        if "cell_stress" in vars(self) and self.cell_stress is not None:  # else not made yet
+            self.cell_stress.forget()
+
+    @property
+    def in_default_form(self) -> bool:
+        """True with arcs, turning angles, no `thick` and nothing that couples strains."""
+        plain = self.options == {"membrane": "arcs", "curvature": "turning", "thick": False}
+        return plain and not (self.law.couples or np.any(self.fabric.coupling))
 
     @cached_property
     def weak_form(self) -> WeakForm:
@@ -150,11 +180,56 @@ class Shell:
     @cached_property
     def cell_membrane(self) -> CellMembrane | None:
         """Membrane of 4-node quads with arcs, else None; made when first needed."""
-        options = self.options["membrane"], self.options["thick"]
+        options = self.options["membrane"], self.options["thick"], self.law
         if not has_six_lengths(self.surface, self.fabric, *options):
             return None
         reference = self.reference.x.array.reshape(-1, 6)
-        return CellMembrane(self.partition, self.fabric, self.law, reference, self.relaxed)
+        membrane = CellMembrane(self.partition, self.fabric, self.law, reference, self.relaxed)
+        if self.fabric.friction is not None:
+            assert self.cell_stress is not None
+            membrane.sliders = Sliders(self.fabric.friction, self.cell_stress)
+        return membrane
+
+    @cached_property
+    def cell_stress(self) -> CellStress | None:
+        """Stress in the middle of cells: friction inside the cloth, curves of quads; else None.
+
+        Made when first needed, and only if the fabric names friction or curves.
+        """
+        friction, curves = self.fabric.friction, None
+        quads = self.surface.cells.shape[1] == 4
+        if quads and self.law.in_the_middle and self.in_default_form:
+            curves = self.law.curves
+        if friction is None and curves is None:
+            return None
+        # only here: compiled code that other sheets do not need
+        from .cell_stress import CellStress
+
+        partition = self.partition
+        return CellStress(
+            partition.surface.points[partition.nodes] - partition.origin,
+            self.reference.x.array.reshape(-1, 6)[:, 3:],
+            np.ascontiguousarray(cell_nodes(self.space)),
+            cell_warp(self.surface, self.fabric, partition),
+            self.fabric, curves, friction,
+        )  # fmt: skip
+
+    @cached_property
+    def _slips(self) -> Function:
+        """Slips of the sliders as a field of cells."""
+        assert self.fabric.friction is not None
+        width = sum(self.fabric.friction.counts())
+        return Function(vector_space(self.mesh, "DG", 0, width))
+
+    def friction_loss(self) -> float:
+        """Energy [J] lost so far by friction inside the cloth, on every rank."""
+        return 0.0 if self.cell_stress is None else self.comm.allreduce(self.cell_stress.lost)
+
+    def keep_slips(self) -> None:
+        """Let sliders of friction inside the cloth slip to where the present state takes them."""
+        if self.fabric.friction is not None:
+            assert self.cell_stress is not None
+            self.cell_stress.keep(self.w.x.array.reshape(-1, 6))
 
     @property
     def wrinkles(self) -> Wrinkles | None:
@@ -190,7 +265,12 @@ class Shell:
         """Compiled (internal force, tangent) pairs, one per rule; compiled when first needed."""
         if "strain" not in self._compiled:
             form = self.weak_form
-            self._compiled["strain"] = compiled(form.newton(self.before, self.step))
+            pairs = form.newton(self.before, self.step)
+            if self.fabric.friction is not None:
+                terms = friction_terms(self.partition, self.fabric, self._slips)
+                friction = WeakForm(self.mesh, terms, self.w, self.reference)
+                pairs += friction.newton(self.before, self.step)
+            self._compiled["strain"] = compiled(pairs)
         if self.loads.pressures and "pressure" not in self._compiled:
             self._pressure = Constant(self.mesh, 0.0)
             self._compiled["pressure"] = compiled([self.weak_form.pressure(self._pressure)])
@@ -260,6 +340,10 @@ class Shell:
         if self.cell_membrane:
             membrane = self.cell_membrane.energy(self.w.x.array)
             energy["membrane"] = self.comm.allreduce(membrane)
+        if self.fabric.friction is not None:
+            assert self.cell_stress is not None
+            stored = self.cell_stress.stored(self.w.x.array.reshape(-1, 6))
+            energy["friction"] = self.comm.allreduce(stored)
         return energy
 
     def internal_force(
@@ -294,6 +378,11 @@ class Shell:
         return create_matrix(self.forms()[0][1])
 
     def _set_stress(self, stress_from):
+        if self.fabric.friction is not None:
+            assert self.cell_stress is not None
+            space = self._slips.function_space
+            values = self._slips.x.array.reshape(-1, space.dofmap.index_map_bs)
+            values[cell_nodes(space)[:, 0]] = self.cell_stress.slips
         before, step = (self.w.x.array, 0.0) if stress_from is None else stress_from
         self.before.x.array[:] = before
         self.step.x.array[:] = step
@@ -318,7 +407,7 @@ def check_relaxed(
             "wrinkles='relaxed' goes with membrane='arcs', without `thick` and with a fabric whose "
             "bending is not coupled with stretching: take wrinkles='resolved'"
         )
-    if not is_quadratic(law, "membrane"):
+    if not law.is_quadratic("membrane"):
         raise ValueError(
             f"wrinkles='relaxed' knows the quadratic membrane energy only, not that of {law!r}: "
             "take wrinkles='resolved'"

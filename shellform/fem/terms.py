@@ -19,7 +19,7 @@ from typing import Any
 import ufl
 from ufl.algorithms import expand_derivatives
 
-from shellform.material.energy import StVenant, is_quadratic, quadratic
+from shellform.material.energy import StVenant, quadratic
 
 from .dolfinx_compat import Constant, Expr
 
@@ -81,7 +81,7 @@ class Densities:
 
     def whole(self, strain: str, scale: Expr | float = 1) -> Callable | None:
         """Density of a strain times a scale; None where the law is quadratic in it."""
-        if is_quadratic(self.law, strain):
+        if self.law.is_quadratic(strain) or (self.law.couples and strain != "shear"):
             return None
         density, stiffness = getattr(self.law, strain), self.stiffness[strain]
         axes = self.M if strain == "shear" else self.V
@@ -97,6 +97,22 @@ class Densities:
         stiffness, axes = self.stiffness[strain], self.M if strain == "shear" else self.V
         rest = lambda e: whole(e) - scale * quadratic(axes * e, stiffness)  # noqa: E731
         return [Term(name, measure, None, rule, rest)]
+
+    def both(self, beyond: bool = False) -> Callable | None:
+        """Density of membrane and bending strain, stacked, of a law that couples them, else None.
+
+        `beyond`: of what it stores more than the quadratic energy.
+        """
+        if not self.law.couples:
+            return None
+        A, D = self.stiffness["membrane"], self.stiffness["bending"]
+
+        def density(e):
+            E, K = (self.V * ufl.as_vector([e[first + k] for k in range(3)]) for first in (0, 3))
+            whole = self.law.membrane_and_bending(E, K, A, D)
+            return whole - quadratic(E, A) - quadratic(K, D) if beyond else whole
+
+        return density
 
 
 def stacked(measures: list[Callable]) -> Callable:

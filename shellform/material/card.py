@@ -8,19 +8,22 @@
     ...
 
 The keys of a table are the arguments of the constructor of `Fabric` it stands for, each with its
-unit; a list of `[[ply]]` tables, bottom first, makes a laminate.
+unit; a list of `[[ply]]` tables, bottom first, makes a laminate. `law`, a name or a table of its
+own, says what the sheet stores where that is not quadratic (laws.py). `[measured]` takes tests of
+the cloth in their own units, with loading and unloading (measurements.py).
 """
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
 from .fabric import Fabric, FabricError, Ply
+from .laws import law_from
 from .sheet import MATRICES
+from .spelling import nearest, with_unit
 
 _UNITS = {name: unit for name, (_, unit) in MATRICES.items()} | {
     **dict.fromkeys(("youngs_modulus", "E1", "E2", "G12", "G13", "G23"), "Pa"),
@@ -49,15 +52,9 @@ def card_keys(maker: Callable) -> dict[str, inspect.Parameter]:
     """The keys of a maker's table: its arguments with their units, `thickness` as `thickness_m`."""
     keys = {}
     for name, parameter in inspect.signature(maker).parameters.items():
-        unit = _UNITS.get(name, "").replace("/", "_per_").replace("^", "").replace(" ", "_")
-        keys[f"{name}_{unit}".strip("_")] = parameter
+        keys[with_unit(name, _UNITS)] = parameter
     keys.pop("name", None)  # stands above the table
     return keys
-
-
-def _nearest(key: str, valid) -> str:
-    close = difflib.get_close_matches(key, valid, n=1, cutoff=0.5)
-    return f'did you mean "{close[0]}"?' if close else f"valid are {', '.join(valid)}."
 
 
 def _make(where: str, table, maker, **more):
@@ -66,7 +63,9 @@ def _make(where: str, table, maker, **more):
         raise FabricError(f"{where}: this must be a table of keys, not {table!r}.")
     for key in table:
         if key not in keys:
-            raise FabricError(f'{where}: unknown key "{key}"; {_nearest(key, keys)}')
+            gf = "gf" in key.split("_")
+            mend = "numbers in gf go into a table [measured]." if gf else nearest(key, keys)
+            raise FabricError(f'{where}: unknown key "{key}"; {mend}')
     for key, parameter in keys.items():
         if key not in table and parameter.default is inspect.Parameter.empty:
             raise FabricError(f'{where}: key "{key}" is missing.')
@@ -76,18 +75,26 @@ def _make(where: str, table, maker, **more):
         raise FabricError(f"{where}: {error}") from error
 
 
-def fabric_from_card(card: dict, where: str = "fabric card") -> Fabric:
+def fabric_from_card(card: dict, where: str = "fabric card", folder: Path = Path()) -> Fabric:
     """Fabric from the contents of a card; `where` begins every message.
+
+    `folder` is where the card lies, which may name a file of a measured table.
 
     Raises
     ------
     FabricError : unknown or missing key, more or less than one table, or a value Fabric refuses.
     """
     name = card.get("name", Path(where).stem)
+    if "law" in card:
+        rest = {key: value for key, value in card.items() if key != "law"}
+        return storing(fabric_from_card(rest, where, folder), card["law"], f"{where} [law]")
+    if "measured" in card and len(card.keys() - {"name"}) == 1:
+        return _measured(card["measured"], name, where, folder)
     kinds = [key for key in card if key != "name"]
     for kind in kinds:
         if kind not in _MAKERS:
-            raise FabricError(f'{where}: unknown key "{kind}"; {_nearest(kind, _MAKERS)}')
+            mend = nearest(kind, [*_MAKERS, "measured", "law"])
+            raise FabricError(f'{where}: unknown key "{kind}"; {mend}')
     if len(kinds) != 1:
         raise FabricError(f"{where}: needs exactly one table of {', '.join(_MAKERS)}; has {kinds}.")
     kind, table = kinds[0], card[kinds[0]]
@@ -100,6 +107,36 @@ def fabric_from_card(card: dict, where: str = "fabric card") -> Fabric:
         return Fabric.laminate(plies, name=name)
     except (ValueError, TypeError) as error:
         raise FabricError(f"{where}: {error}") from error
+
+
+def _measured(table, name, where, folder):
+    if not isinstance(table, dict):
+        raise FabricError(f"{where} [measured]: this must be a table of keys, not {table!r}.")
+    # only here: it brings scipy, which other cards do not need
+    from .measurements import measured_fabric
+
+    return measured_fabric(table, name, f"{where} [measured]", folder)
+
+
+def storing(fabric: Fabric, given: str | dict, where: str = "law") -> Fabric:
+    """The fabric with the law of a name or table, see `law_from`; FabricError where they disagree.
+
+    Examples
+    --------
+    >>> stiffening = {"kind": "fung", "stiffening_load_N_per_m": 40}
+    >>> storing(fabric_of("compliant"), stiffening).law
+    Fung(stiffening_load=40)
+    """
+    law = law_from(given, where)
+    # only here: written in UFL, as the law is
+    from .energy import check_law
+
+    try:
+        check_law(law, fabric)
+    except FabricError as error:
+        raise FabricError(f"{where}: {error}") from None
+    stored = fabric.with_law(law)
+    return stored if fabric.card is None else stored.with_card(fabric.card | {"law": given})
 
 
 def read_fabric(path: str | Path) -> Fabric:
@@ -119,7 +156,7 @@ def read_fabric(path: str | Path) -> Fabric:
         card = tomllib.loads(data.decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise FabricError(f"{path}: not a TOML file: {error}.") from None
-    return fabric_from_card(card, str(path))
+    return fabric_from_card(card, str(path), Path(path).parent)
 
 
 CARDS = Path(__file__).parents[1] / "material/fabrics"
@@ -132,7 +169,7 @@ def fabric_of(
     if isinstance(given, Fabric):
         return given
     if isinstance(given, dict):
-        return fabric_from_card(given, f"{where} [fabric]")
+        return fabric_from_card(given, f"{where} [fabric]", folder)
     if not isinstance(given, str | Path):
         raise ValueError(f"fabric is the name of a card, a file or a table, not {given!r}")
     shipped = CARDS / f"{given}.toml"

@@ -26,6 +26,7 @@ from .laminate import (
     through_thickness,
 )
 from .sheet import MATRICES, Sheet, UnitWarning
+from .units import BENDING
 
 __all__ = ["Fabric", "FabricError", "Ply", "UnitWarning", "condense", "lamina_matrix"]
 
@@ -202,6 +203,14 @@ class Fabric(Sheet):
             )
         positive("N/m", tensile_warp_N_per_m=tensile_warp_N_per_m)
         positive("N/m", tensile_weft_N_per_m=tensile_weft_N_per_m)
+        for yarn, bending in (("warp", bending_warp_N_m), ("weft", bending_weft_N_m)):
+            positive("N m", **{f"bending_{yarn}_N_m": bending})
+            if not BENDING.low <= bending <= BENDING.high:
+                raise FabricError(
+                    f"bending_{yarn} = {bending:g} N m lies outside {BENDING.low:g} to "
+                    f"{BENDING.high:g} N m of cloth: numbers in gf cm^2/cm or uN m go into a table "
+                    f"[measured], as B_{yarn}_gf_cm2_per_cm"
+                )
         shear = shear_N_per_m_per_radian
         if shear_N_per_m_per_degree is not None:
             positive("N/m per degree", shear_N_per_m_per_degree=shear_N_per_m_per_degree)

@@ -10,11 +10,14 @@ Pulled to lambda in one direction it carries A66 (lambda - lambda^-2) per width 
 The Physics of Rubber Elasticity, 1975). At rest it is isotropic with Poisson's ratio 1/2.
 """
 
+from dataclasses import dataclass
+
 from ufl.core.expr import Expr
 
 from .energy import StVenant
 
 
+@dataclass(frozen=True)
 class NeoHookean(StVenant):
     """Membrane of an incompressible neo-Hookean solid; bending and shear as in StVenant.
 

@@ -15,11 +15,15 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from .laminate import check_definite, positive, symmetric, turn
+from .laminate import FabricError, check_definite, positive, symmetric, turn
+
+if TYPE_CHECKING:
+    from .energy import StVenant
+    from .friction import ClothFriction
 
 MATRICES = {  # name: rows, unit
     "membrane": (3, "N/m"),
@@ -48,6 +52,9 @@ class Sheet:
     fourth_moment : (3, 3) F [N m^3].  Default 9/5 D (A - B D^-1 B)^-1 D.  With B = 0 this is
         t^5/80 C for a homogeneous sheet of stiffness C (A = t C, D = t^3/12 C), and it keeps
         the energy positive for any A and D, as it needs only the factor 1 for that.
+    law : what is stored in place of this energy, see energy.py; None: nothing else
+    friction : of yarns on each other, see friction.py; None: none
+    card : table that the sheet was made from, where files must tell it again; None: its matrices do
 
     Raises
     ------
@@ -65,6 +72,9 @@ class Sheet:
     third_moment: np.ndarray = None  # type: ignore[assignment]
     fourth_moment: np.ndarray = None  # type: ignore[assignment]
     name: str = "fabric"
+    law: StVenant | None = None
+    friction: ClothFriction | None = None
+    card: dict | None = None
 
     def __post_init__(self):
         positive("kg/m^2", areal_mass=self.areal_mass)
@@ -121,22 +131,45 @@ class Sheet:
     @property
     def directional(self) -> bool:
         """True when the sheet needs a warp direction, False when all directions are alike."""
+        if self.friction is not None or (self.law is not None and self.law.directional):
+            return True
         # In-plane stiffness has harmonics 0, 2, 4 of the angle; a turn by 30 degrees shows both.
-        other = self.rotated(30.0)
         return not all(
-            np.allclose(getattr(self, n), getattr(other, n), rtol=0, atol=1e-9 * np.max(abs(m)))
-            for n, m in self._matrices().items()
+            np.allclose(m, turn(m, -30.0), rtol=0, atol=1e-9 * np.max(abs(m)))
+            for m in self._matrices().values()
         )
 
     def _matrices(self) -> dict:
         return {name: getattr(self, name) for name in MATRICES}
 
     def rotated(self, degrees: float) -> Self:
-        """The same sheet written in axes turned by an angle about the director."""
+        """The same sheet written in axes turned by an angle about the director.
+
+        FabricError for a sheet with a law or friction, which stand in its own axes.
+        """
+        if self.law is not None or self.friction is not None:
+            raise FabricError(
+                f"the law and the friction of '{self.name}' stand in the axes of warp and weft: "
+                "turn the warp of the surface in place of the fabric"
+            )
+        return self._with(**{n: turn(m, -degrees) for n, m in self._matrices().items()})
+
+    def with_law(self, law: StVenant | None) -> Self:
+        """The same sheet that stores by another law."""
+        return self._with(law=law)
+
+    def with_card(self, card: dict) -> Self:
+        """The same sheet, which knows the table that it was made from."""
+        return self._with(card=card)
+
+    def with_friction(self, friction: ClothFriction | None) -> Self:
+        """The same sheet with other friction inside."""
+        return self._with(friction=friction)
+
+    def _with(self, **more):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnitWarning)  # said once, when first made
-            turned: dict = {n: turn(m, -degrees) for n, m in self._matrices().items()}
-            return replace(self, **turned)
+            return replace(self, **({"card": None} | more))
 
     def bending_length(self, g: float = 9.81, degrees: float = 0.0) -> float:
         """(D / (areal mass g))^(1/3) [m], the size of folds, at an angle from the warp."""
@@ -158,6 +191,9 @@ class Sheet:
     def summary(self) -> str:
         """A few lines for a person: stiffness by direction and the lengths that follow."""
         A, D, S = np.diag(self.membrane), np.diag(self.bending), np.diag(self.shear)
+        more = [] if self.law is None else [f"  law         {type(self.law).__name__}"]
+        if self.friction is not None:
+            more.append(f"  friction    {self.friction.summary()}")
         return "\n".join(
             [
                 f"{self.name}: {self.areal_mass:.4g} kg/m^2, {1e3 * self.thickness:.4g} mm thick"
@@ -169,5 +205,6 @@ class Sheet:
                 f"  bending length warp {1e3 * self.bending_length():.3g} mm, weft "
                 f"{1e3 * self.bending_length(degrees=90):.3g} mm under its own weight; bends like "
                 f"{1e3 * self.equivalent_thickness:.3g} mm of solid material",
+                *more,
             ]
         )

@@ -143,6 +143,12 @@ class Wearer(Body):
         _place(self._values, self._rates, *self._segments)
         return self._segments
 
+    def segment_pose(self, t: float, names: Sequence[str]) -> Pose:
+        """Pose of segments of the recording at time t [s], by their names; a copy."""
+        segments = tuple(self.recording.points)
+        which = [segments.index(name) for name in names]
+        return Pose(*(array[which] for array in self._segments_at(t)))
+
     def new_joints(self, t: float = 0.0) -> Joints:
         """Arrays for `joint_state`, filled at time t [s]."""
         return self.joint_state(t, Joints(*(np.zeros((len(self.joints), 3)) for _ in range(3))))

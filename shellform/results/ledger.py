@@ -4,11 +4,12 @@
 Momentum closes step by step: m v(n+1/2) - m v(0) is the sum of the impulses of loads, supports,
 drag and contact. What is left over is the column `momentum_residual`, roundoff. Energies and works
 are given at the output time. The work of all forces is the change of kinetic energy to roundoff;
-the internal ones take the change of strain energy, `damping_loss` by stiffness damping, and the
-error of the time steps, which is `energy_residual`:
+the internal ones take the change of strain energy, `damping_loss` by stiffness damping,
+`hysteresis_loss` by friction inside cloth that has it, and the error of the time steps, which is
+`energy_residual`:
 
     kinetic + strain - start = external + support + body - friction - impact - drag - damping
-                               + energy_residual.
+                               - hysteresis + energy_residual.
 
 Works and losses add up from the start, those of contact from the row before. Supports that move are
 booked with their velocity of the last half step, an error of first order.
@@ -107,6 +108,8 @@ class Ledger(Part):
         change = {kind: now[kind] - start[kind] for kind in now}
         row |= {"external_work": change["external"], "support_work": change["support"]}
         row |= {"drag_loss": change["drag"], "damping_loss": change["damping"]}
+        if "hysteresis" in change:
+            row["hysteresis_loss"] = change["hysteresis"]
         friction = impact = moved = 0.0
         contact = stepper.contact
         if contact is not None:
@@ -131,6 +134,7 @@ class Ledger(Part):
         row["momentum_residual"] = float(np.linalg.norm(residual))
         gain = change["kinetic"] + change["strain"] - self._contact_work
         given = change["external"] + change["support"] - change["drag"] - change["damping"]
+        given -= change.get("hysteresis", 0.0)
         row["energy_residual"] = gain - given
         self.rows.append(row)
         if self._file:

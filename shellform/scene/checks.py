@@ -16,6 +16,8 @@ from shellform.accuracy.asked import relative_error
 from .parts import PARTS
 
 if TYPE_CHECKING:
+    from shellform.material.sheet import Sheet
+
     from .scene import Scene
 
 KINDS = {
@@ -121,6 +123,18 @@ def check_numbers(scene: Scene) -> None:
     start, end = scene.motion.start, scene.motion.end
     if start is not None and end is not None and not start < end:
         raise ValueError(f"motion.start = {start:g} s is not before motion.end = {end:g} s")
+
+
+def check_dressing(dressing: str, fabric: Sheet) -> None:
+    """ValueError where masses and springs are to put on cloth that they do not know."""
+    if dressing != "particles":
+        return
+    for what in ("law", "friction"):
+        if getattr(fabric, what) is not None:
+            raise ValueError(
+                f"steps.dressing = 'particles': masses and springs do not know the {what} of "
+                f"'{fabric.name}': take 'shell'"
+            )
 
 
 def check_accuracy(asked: str) -> None:

@@ -167,11 +167,14 @@ def pattern_of(garment: Garment) -> meshes.Pattern:
 def wrinkles_of(garment: Garment, surface: meshes.Surface, fabric: Sheet) -> str:
     """'relaxed' or 'resolved': as the scene says, or by whether cells show the folds of the cloth.
 
+    Only the quadratic membrane relaxes: a law that has another keeps cells resolved.
+
     ValueError where a garment is to be relaxed that is not made of 4-node quads.
     """
     quads = surface.cells.shape[1] == 4
     if garment.wrinkles == "auto":
-        return "relaxed" if quads and not folds_resolved(surface, fabric) else "resolved"
+        relaxes = quads and (fabric.law is None or fabric.law.is_quadratic("membrane"))
+        return "relaxed" if relaxes and not folds_resolved(surface, fabric) else "resolved"
     if garment.wrinkles == "relaxed" and not quads:
         raise ValueError(
             f"garment.wrinkles = 'relaxed' is for 4-node quads, {surface.source} has "

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from shellform.accuracy.choice import Choice, choose, cloth_family, garment_length
 from shellform.accuracy.ensemble_size import runs_needed
-from shellform.material.card import fabric_of
+from shellform.material.card import fabric_of, storing
 from shellform.material.fabric import Fabric
 from shellform.material.sheet import Sheet
 
@@ -25,6 +25,7 @@ class Scene:
     Parameters
     ----------
     fabric : Fabric, or the name or path of a card; belt : tension [N]; gravity : [m/s^2]
+    law : what the cloth stores, a name or table as in a card, in place of the fabric's
 
     Raises
     ------
@@ -50,6 +51,7 @@ class Scene:
     output: Output = field(default_factory=Output)
     belt: float = with_unit(20.0, "N")
     gravity: float = with_unit(9.81, "m/s^2")
+    law: str | dict | None = None
     title: str = "walk"
 
     def __post_init__(self):
@@ -61,6 +63,14 @@ class Scene:
             raise ValueError(f"fabric is a Fabric or the name of a card, not {self.fabric!r}")
         check_kinds(self)
         check_numbers(self)
+        if self.law is not None:
+            storing(fabric_of(self.fabric), self.law)  # refuses what does not fit
+
+    @property
+    def cloth(self) -> Fabric:
+        """The fabric with the law of the scene."""
+        fabric = fabric_of(self.fabric)
+        return fabric if self.law is None else storing(fabric, self.law)
 
     @property
     def cell_size(self) -> float:
@@ -75,7 +85,7 @@ class Scene:
     @property
     def choice(self) -> Choice:
         """`accuracy.Choice` of the cells, with the errors they are predicted to leave."""
-        cloth = fabric_of(self.fabric)
+        cloth = self.cloth
         length, families = garment_length(cloth), [cloth_family(cloth)]
         choice = choose("walk", self.steps.accuracy, length, families=families)
         choice = replace(choice, runs=self.runs)

@@ -28,6 +28,7 @@ import numpy as np
 
 from shellform.material.card import card_keys, fabric_of
 from shellform.material.fabric import Fabric, FabricError
+from shellform.material.laws import law_table
 from shellform.results.files import write_atomically
 
 from .parts import PARTS
@@ -126,8 +127,9 @@ def write_scene(scene: Scene, path: str | Path) -> None:
     """Write a scene in full, so that `read_scene` gives it back; a Fabric by its matrices."""
     lines = [f"title = {_toml(scene.title)}", f"fabric = {_fabric(scene.fabric)}"]
     for item in fields(Scene):
-        if item.name not in (*PARTS, "title", "fabric"):
-            lines.append(f"{key_of(item)} = {_toml(getattr(scene, item.name))}")
+        value = getattr(scene, item.name)
+        if item.name not in (*PARTS, "title", "fabric") and value is not None:
+            lines.append(f"{key_of(item)} = {_toml(value)}")
     for name in PARTS:
         lines.append(f"\n[{name}]")
         part = getattr(scene, name)
@@ -142,12 +144,21 @@ def write_scene(scene: Scene, path: str | Path) -> None:
 
 
 def _fabric(fabric):
+    """A card by name or file, or what it was made from, or its matrices."""
     if isinstance(fabric, str | Path):
         path = Path(fabric).absolute()
         return _toml(str(path if path.is_file() else fabric))
+    if fabric.card is not None:
+        return _toml(fabric.card)
+    if fabric.friction is not None:
+        raise FabricError(
+            f"the friction of '{fabric.name}' stands in no file: make the fabric from a "
+            "card with a table `measured`"
+        )
     keys = card_keys(Fabric.from_stiffness)
     matrices = {key: np.asarray(getattr(fabric, p.name)).tolist() for key, p in keys.items()}
-    return _toml({"name": fabric.name, "stiffness": matrices})
+    law = {} if fabric.law is None else {"law": law_table(fabric.law)}
+    return _toml({"name": fabric.name, "stiffness": matrices} | law)
 
 
 def _toml(value):

@@ -15,7 +15,7 @@ from shellform.dressing.saved_state import put_on
 from shellform.dressing.settle import AT_LEAST, settle_again
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
-from shellform.material.card import fabric_of
+from shellform.scene.checks import check_dressing
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene
@@ -41,7 +41,8 @@ class Model:
         self.whole = wearer_of(scene)
         self.surface = garment_of(scene, self.whole)
         self.wearer = dressed_wearer(scene, self.whole, self.surface)
-        fabric = fabric_of(scene.fabric)
+        fabric = scene.cloth
+        check_dressing(scene.steps.dressing, fabric)
         wrinkles = wrinkles_of(scene.garment, self.surface, fabric)
         self.shell = Shell(self.surface, fabric, comm, wrinkles=wrinkles)
         if scene.gravity:

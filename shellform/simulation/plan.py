@@ -19,8 +19,8 @@ from collections.abc import Sequence
 from meshes import Surface
 from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
-from shellform.material.card import fabric_of
 from shellform.motion.wearer import Wearer
+from shellform.scene.checks import check_dressing
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
@@ -54,15 +54,17 @@ def plan_of(
     surface = garment_of(scene, wearer) if surface is None else surface
     near = dressed_wearer(scene, wearer, surface).names if near is None else near
     steps, contact, output = scene.steps, scene.contact, scene.output
-    fabric = fabric_of(scene.fabric)
+    fabric = scene.cloth
+    check_dressing(steps.dressing, fabric)
     terms = [*terms_of(fabric), "inertia", "rotary inertia"]
+    law = {} if fabric.law is None else {"law": repr(fabric.law)}
     wanted = {"gravity": scene.gravity, "drag": steps.drag, "damping": steps.damping}
     plan: dict = {
         "element": f"{surface.kind} of degree {surface.degree}",
         "terms": terms + [name for name, value in wanted.items() if value],
         "contact": list(near),
         "out_of_reach": [name for name in wearer.names if name not in near],
-    }
+    } | law
     if contact.friction:
         kinetic = contact.kinetic_friction
         plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]
@@ -89,6 +91,8 @@ def plan_of(
 def plan_lines(plan: dict) -> list[str]:
     """Lines of a plan for a person."""
     lines = [f"modelled   {plan.get('element', '')}: {', '.join(plan['terms'])}"]
+    if "law" in plan:
+        lines.append(f"law        {plan['law']}")
     if "contact" in plan:
         lines.append(f"contact    {len(plan['contact'])} ellipsoids: {', '.join(plan['contact'])}")
         for name in SEEN:

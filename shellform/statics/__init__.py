@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Equilibrium: residual and tangent, Newton, load stepping."""
+"""Equilibrium: residual and tangent, Newton, load stepping, paths by arc length, buckling."""

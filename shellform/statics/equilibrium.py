@@ -209,6 +209,41 @@ class Equilibrium:
         self.K.setDiagonal(self._direct, addv=PETSc.InsertMode.ADD_VALUES)
         return self.K
 
+    def level_derivative(self, out: PETSc.Vec) -> None:
+        """dF/dlevel [N] at the configuration of the last `tangent`, which is used where supports
+        move.
+
+        Amplitudes and prescribed motions are functions of the user's: their slopes are central
+        differences, exact to roundoff where they are linear.
+        """
+        loads, w = self.shell.loads, self._w()
+        step = np.cbrt(np.finfo(float).eps) * max(1.0, abs(self.level))
+        r6 = self._pressure_derivative(step)
+        for level, weight in ((self.level + step, 0.5 / step), (self.level - step, -0.5 / step)):
+            force = loads.force_at(level, np.zeros((self.n_owned, 3)), self.load_factor)
+            r6[:, :3] -= weight * force
+            nodes, moments = loads.moment_at(level, self.load_factor)
+            r6[nodes, 3:] -= weight * np.cross(moments, w[nodes, 3:])
+        r5 = self._pull_back(r6)
+        held = self.held[: self.n_owned]
+        r5[held] = 0.0
+        if self.has_goal:
+            pace = np.where(held, self._goal_derivative(step)[: self.n_owned], 0.0)
+            r5 += np.where(held, -pace * self.stiffness, self._pulled_along(pace))
+        out.setArray(r5.ravel())
+
+    def _pressure_derivative(self, step):
+        """Forces (n_owned, 6) that a pressure adds to `forces` as the level grows."""
+        loads = self.shell.loads
+        slope = loads.pressure_at(self.level + step, self.load_factor)
+        slope = (slope - loads.pressure_at(self.level - step, self.load_factor)) / (2 * step)
+        if slope == 0.0:
+            return np.zeros((self.n_owned, 6))
+        # linear in the pressure: one as large as the internal forces loses no digits
+        unit = self.stiffness / self.length
+        without = self._internal(pressure=0.0).copy()
+        return (self._internal(pressure=unit) - without) * (slope / unit)
+
     @property
     def pressure(self) -> float:
         """Pressure [Pa] at the present level."""
@@ -254,6 +289,21 @@ class Equilibrium:
 
         return self._roundoff.measured(self._w(), self._internal, on_free_unknowns)
 
+    def reactions(self) -> np.ndarray:
+        """Forces (n, 3) [N] of the supports at the last residual, in the surface's numbering.
+
+        All ranks call it, all get them.
+        """
+        return self.shell.partition.gather(self.in_world(self.reaction[:, :3]))
+
+    def in_world(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (n_owned, 3) along the axes of the nodes, along those of the world."""
+        return vectors if self.Q is None else np.einsum("nji,nj->ni", self._Q_owned, vectors)
+
+    def along_axes(self, vectors: np.ndarray) -> np.ndarray:
+        """Vectors (n_owned, 3) of the world along the axes of the nodes."""
+        return director.along_axes(self._Q_owned, vectors)
+
     def forces(self, stress_from: Linearised | None = None) -> np.ndarray:
         """Internal less external nodal forces (n_owned, 6) [N, N m], of inertia too if there is."""
         r6 = self._internal(stress_from)
@@ -269,11 +319,12 @@ class Equilibrium:
             r6 += factor * (w[: self.n_owned] - predicted)
         return r6
 
-    def _internal(self, stress_from=None):
+    def _internal(self, stress_from=None, pressure=None):
         """Internal nodal forces (n_owned, 6) [N, N m] less those of a pressure, in `r6`."""
         with self.r6.localForm() as local:
             local.set(0.0)
-        self.shell.internal_force(self.r6, self.pressure, stress_from)
+        pressure = self.pressure if pressure is None else pressure
+        self.shell.internal_force(self.r6, pressure, stress_from)
         self.r6.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
         return self.r6.array.reshape(-1, 6)
 
@@ -293,15 +344,18 @@ class Equilibrium:
     # -- prescribed motion ------------------------------------------------------------------------
 
     def _set_goal(self):
-        supports = self.shell.supports
-        self.goal[:, :3] = director.along_axes(self.Q, self.w_base[:, :3])
-        self.goal[:, 3:] = 0.0
-        for local, u, d in supports.prescribed(self.level):
+        self._write_goal(self.level, self.goal)
+
+    def _write_goal(self, level, goal):
+        """Unknowns (n, 5) that the supports prescribe at a level; of others those of the base."""
+        goal[:, :3] = director.along_axes(self.Q, self.w_base[:, :3])
+        goal[:, 3:] = 0.0
+        for local, u, d in self.shell.supports.prescribed(level):
             if u is not None:
-                self.goal[local, :3] = u
+                goal[local, :3] = u
             if d is not None:
                 theta = director.logarithmic_map(self.w_base[local, 3:], self.T_base[local], d)
-                self.goal[local, 3:] = theta * self.length
+                goal[local, 3:] = theta * self.length
 
     def _lift(self, x, r5):
         """Rows of held unknowns: x - goal; its effect on the free rows to first order."""
@@ -309,12 +363,21 @@ class Equilibrium:
         gap = np.where(held, x.array_r.reshape(-1, 5) - self.goal[: self.n_owned], 0.0)
         if self.shell.comm.allreduce(np.abs(gap).max(initial=0.0), op=MPI.MAX) == 0.0:
             return  # the usual case: K is assembled below for the first residual of a step only
-        change = gap / [1, 1, 1, self.length, self.length]
-        change = director.push_forward(change, self.T[: self.n_owned], self._Q_owned)
-        self._lift6.setArray(change.ravel())
         self.shell.tangent(self.K6, self.pressure, self.stress_from)
         self.K6.assemble()
-        self.K6.mult(self._lift6, self._product6)
-        change = self._pull_back(self._product6.array_r.reshape(-1, 6))
-        r5 -= np.where(held, 0.0, change)
+        r5 -= np.where(held, 0.0, self._pulled_along(gap))
         r5[held] = gap[held] * self.stiffness
+
+    def _pulled_along(self, held5):
+        """Forces (n_owned, 5) of `K6` on all unknowns as the held ones change by `held5`."""
+        change = held5 / [1, 1, 1, self.length, self.length]
+        change = director.push_forward(change, self.T[: self.n_owned], self._Q_owned)
+        self._lift6.setArray(change.ravel())
+        self.K6.mult(self._lift6, self._product6)
+        return self._pull_back(self._product6.array_r.reshape(-1, 6))
+
+    def _goal_derivative(self, step):
+        ahead, behind = np.empty_like(self.goal), np.empty_like(self.goal)
+        self._write_goal(self.level + step, ahead)
+        self._write_goal(self.level - step, behind)
+        return (ahead - behind) / (2 * step)

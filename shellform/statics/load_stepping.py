@@ -17,7 +17,7 @@ from shellform.fem.shell import Shell
 
 from .equilibrium import Equilibrium
 from .newton import Newton, Step
-from .rigid_modes import describe, free_motions
+from .rigid_modes import refuse_free_motions
 
 NEAR = 100.0  # times roundoff: loads below it may be lost in it
 
@@ -53,11 +53,7 @@ class Statics:
     """
 
     def __init__(self, shell: Shell, prefix: str = "shell_", mip: bool = True):
-        for node, motion in free_motions(shell):
-            raise ValueError(
-                f"the supports leave a rigid motion free: the piece of {shell.surface.source} with "
-                f"node {node} {describe(motion)}; hold it, or use dynamics"
-            )
+        refuse_free_motions(shell)
         self.shell, self.equilibrium = shell, Equilibrium(shell, mip)
         self.steps: list[Step] = []
         self.cutbacks, self.level = 0, 0.0
@@ -112,6 +108,7 @@ class Statics:
             self.cutbacks += 1
             return None
         self.level = target
+        self.shell.keep_slips()
         self.steps.append(step)
         self._watch_jumps(step, start, eq.largest_change(state))
         self._watch_loads()
@@ -129,9 +126,16 @@ class Statics:
                 f"{roundoff:.2g} N: a sheet this thin bends under less than its stretch resolves. "
                 "Take more thickness, more bending stiffness or less membrane stiffness"
             )
+        # only here, as few need it: it brings scipy
+        from .path_following import limit_ahead
+
+        turn = limit_ahead(eq, self.newton, np.sign(goal - self.level)) if self.steps else None
+        where = "Past a limit point or buckling"
+        if turn is not None:
+            where = f"The path turns back at level {turn:.4g}, a limit point"
         advice = (
-            "Past a limit point or buckling, prescribe a displacement (supports.move) or use "
-            "dynamics"
+            f"{where}: follow the path (shellform.follow), prescribe a displacement "
+            "(supports.move) or use dynamics"
         )
         if not self.steps:
             advice += (
@@ -142,7 +146,7 @@ class Statics:
 
     def _watch_loads(self):
         """Warn once where a solve ends though nothing is solved: the loads are below roundoff."""
-        loads, roundoff = self.equilibrium.pushes()[0], self.newton.roundoff
+        loads, roundoff = self.equilibrium.pushes()[0], self.newton.convergence.roundoff
         if self._told or not 0 < loads <= roundoff:
             return
         self._told = True
@@ -181,11 +185,7 @@ class Statics:
 
         All ranks call it, all get them. Their sum is minus that of the loads.
         """
-        eq = self.equilibrium
-        forces = eq.reaction[:, :3]
-        if eq.Q is not None:
-            forces = np.einsum("nji,nj->ni", eq.Q[: eq.n_owned], forces)
-        return self.shell.partition.gather(forces)
+        return self.equilibrium.reactions()
 
     def destroy(self) -> None:
         """Free PETSc's objects; the shell keeps its state."""

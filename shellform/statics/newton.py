@@ -1,12 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""One nonlinear solve of the 5-dof equilibrium by PETSc SNES; roundoff-aware convergence.
-
-Thin sheets mix a stiff membrane with a soft bending: the roundoff of the membrane force can exceed
-any fixed tolerance of the loads. A solve has converged when the residual is small against the
-loads, or no larger than that roundoff. Roundoff is first estimated from sizes, which costs nothing
-and knows no corners: cells that lean, or are long and narrow, make up to a thousand times more of
-it. Where the updates have become nothing and the residual is above the estimate, roundoff is
-measured (roundoff.py).
+"""One nonlinear solve of the 5-dof equilibrium, Eq. 13, by PETSc SNES.
 
 Options carry a prefix; what the user sets on the command line or in PETSC_OPTIONS wins.
 """
@@ -16,12 +9,10 @@ from dataclasses import dataclass
 
 from petsc4py import PETSc
 
-import numpy as np
-
 from shellform.fem.callback_errors import exceptions_as_raised
 from shellform.fem.destroyed_together import destroy_with
-from shellform.fem.dolfinx_compat import DIVERGED_NOT_FINITE
 
+from .convergence import Convergence
 from .equilibrium import Equilibrium
 
 DEFAULTS = {
@@ -37,11 +28,6 @@ DEFAULTS = {
     # room for pivoting: far iterates are indefinite
     "mat_mumps_icntl_14": 100,
 }
-
-# Residual and measurement are two samples of one noise: on cells of all kinds, up to 1000 times as
-# long as wide with corners up to 179 degrees, one is 0.03 to 3.2 times the other while the noise
-# spans ten decades.
-SAMPLES_APART = 10.0
 
 REASONS = {
     getattr(PETSc.SNES.ConvergedReason, name): name.replace("_", " ").lower()
@@ -71,7 +57,8 @@ class Newton:
     Attributes
     ----------
     reason : str, how the last solve ended, in words
-    roundoff : float [N], of the residual at the last iterate; measured where that was needed
+    convergence : Convergence, what iterates are held to
+    snes : PETSc.SNES
     """
 
     def __init__(self, equilibrium: Equilibrium, prefix: str):
@@ -80,7 +67,7 @@ class Newton:
         eq.start(0.0)
         eq.tangent(eq.x)  # creates K
         eq.assembly_seconds = 0.0  # of solves; forms may have been compiled here
-        self.reason, self.roundoff = "not yet run", 0.0
+        self.reason, self.convergence = "not yet run", Convergence(eq)
         self.snes = PETSc.SNES().create(eq.shell.comm)
         self.snes.setOptionsPrefix(prefix)
         # PETSc's hold on them is one that Python's collector cannot see: none would ever be freed
@@ -99,7 +86,7 @@ class Newton:
         """
         eq = self.equilibrium
         eq.start(level)
-        self._best: list[float] = []
+        self.convergence.start()
         try:
             with exceptions_as_raised():
                 self.snes.solve(None, eq.x)
@@ -121,29 +108,8 @@ class Newton:
             self.equilibrium.advance(self.snes.getSolution())
 
     def _converged(self, snes, iteration, norms):
-        reasons = PETSc.SNES.ConvergedReason
         _, step, residual = norms
-        rtol, atol, stol, max_it = snes.getTolerances()
-        if not np.isfinite(residual):
-            return DIVERGED_NOT_FINITE
-        eq = self.equilibrium
-        self.roundoff = roundoff = eq.roundoff()
-        if residual <= atol or residual <= rtol * eq.force_scale():
-            return reasons.CONVERGED_FNORM_RELATIVE
-        # roundoff is an estimate: a load as small still deserves one iteration
-        if residual == 0.0 or (iteration and residual <= roundoff):
-            return reasons.CONVERGED_FNORM_ABS
-        scale = eq.length * np.sqrt(len(eq.shell.partition.surface.points))
-        if iteration and step <= stol * scale:
-            if residual > 100 * roundoff:
-                self.roundoff = eq.measured_roundoff()
-            if residual <= max(100 * roundoff, SAMPLES_APART * self.roundoff):
-                return reasons.CONVERGED_SNORM_RELATIVE
-        # beyond a limit point the residual wanders: no use in spending all iterations there
-        self._best.append(min([residual, *self._best[-1:]]))
-        if iteration >= max_it or (iteration >= 16 and self._best[-1] > 0.1 * self._best[-13]):
-            return reasons.DIVERGED_MAX_IT
-        return reasons.CONVERGED_ITERATING
+        return self.convergence.verdict(iteration, step, residual, snes.getTolerances())
 
     def destroy(self) -> None:
         """Free the SNES."""

@@ -41,6 +41,15 @@ def free_motions(shell: Shell) -> list[tuple[int, np.ndarray]]:
     return free
 
 
+def refuse_free_motions(shell: Shell) -> None:
+    """ValueError if the supports leave a rigid motion free."""
+    for node, motion in free_motions(shell):
+        raise ValueError(
+            f"the supports leave a rigid motion free: the piece of {shell.surface.source} with "
+            f"node {node} {describe(motion)}; hold it, or use dynamics"
+        )
+
+
 def pieces(surface: Surface) -> np.ndarray:
     """Number (n,) of the connected piece that each point belongs to."""
     label = np.arange(len(surface.points))

@@ -17,6 +17,7 @@ class Ground:
     """Every node on a spring to where it was at rest, with a damper of its own."""
 
     turns_directors = False
+    friction = None
 
     def __init__(self, mass, comm, damping=0.0):
         self.mass, self.comm, self.damping = mass[:, None], comm, damping

@@ -71,6 +71,12 @@ def test_card_keys_carry_their_units():
     [
         ("thickness_m =", "thickness_mm =", r'cloth.toml \[kes\]: unknown key "thickness_mm"; did'),
         ("thickness_m =", "thickness_mm =", r'did you mean "thickness_m"\?'),
+        (
+            "1.33e-5",
+            "0.12",
+            r"bending_warp = 0.12 N m lies outside 1e-08 to 0.01 N m of cloth: num",
+        ),
+        ("warp_N_m", "warp_gf_cm2_per_cm", r"numbers in gf go into a table \[measured\]"),
         ("[kes]", "[kws]", r'cloth.toml: unknown key "kws"; did you mean "kes"\?'),
         ("[kes]", "", r'unknown key "tensile_warp_N_per_m"; valid are isotropic'),
         ("thickness_m = 0.746e-3", "", r'cloth.toml \[kes\]: key "thickness_m" is missing'),

@@ -44,6 +44,7 @@ OTHER = Scene(
     ),
     belt=12.5,
     gravity=1.62,
+    law={"kind": "fung", "stiffening_load_N_per_m": 40.0},
     title='trousers "wide" \\ größer \U0001f456',
 )  # fmt: skip
 

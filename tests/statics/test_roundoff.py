@@ -11,8 +11,8 @@ from demos.studies.extremes import sheet_cases as sheets
 from demos.studies.extremes.sheets import ortho
 from shellform import NotConverged, Shell, Statics
 from shellform.fem.director import rotation_matrix
+from shellform.statics.convergence import SAMPLES_APART
 from shellform.statics.equilibrium import Equilibrium
-from shellform.statics.newton import SAMPLES_APART
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 

@@ -28,6 +28,7 @@ from shellform.console import parse, positive, run
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.internal_force import InternalForce
+from shellform.material.friction import ClothFriction
 from shellform.results.report import Report
 
 G = 9.81
@@ -61,6 +62,7 @@ def sheet(cells, fabric=None, pressure=0.0, size=1.0):
     """Shell of a square around the origin, under its weight."""
     square = meshes.rectangle(size, size, (cells, cells))
     square = square.transform(translation=(-0.5 * size, -0.5 * size, 0.0))
+    square = square.replace(warp=(1.0, 0.0, 0.0))
     shell = Shell(square, cloth() if fabric is None else fabric, MPI.COMM_SELF)
     shell.loads.gravity((0.0, 0.0, -G))
     shell.loads.pressure(pressure)
@@ -172,6 +174,15 @@ def coupling(cells):
     return in_turns(*forces)
 
 
+def inside(cells):
+    """Steps of cloth whose yarns rub on each other in shear and bending, or do not."""
+    friction = ClothFriction(
+        shear=[(60.0, 0.5, 8.5)], bend_warp=[(6e-5, 3e-4)], bend_weft=[(5e-5, 2.4e-4)]
+    )
+    fabrics = cloth().with_friction(friction), cloth()
+    return in_turns(*(steps(Newmark(sheet(cells, fabric))) for fabric in fabrics))
+
+
 def damping(cells):
     """Steps with stiffness-proportional damping or without."""
     return in_turns(steps(Newmark(sheet(cells), damping=1e-6)), steps(Newmark(sheet(cells))))
@@ -205,6 +216,7 @@ THINGS = {
     "7 bodies out of reach": (unreachable, "contact of all nodes"),
     "the same, cloth in the air": (unreachable_in_air, "contact of no node"),
     "bending-stretching coupling": (coupling, "internal force"),
+    "friction inside the cloth": (inside, "step"),
     "damping": (damping, "step"),
     "follower pressure": (pressure_load, "step"),
     "map of pressure on the skin": (pressure_map, "step with contact"),
