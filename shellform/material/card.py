@@ -150,6 +150,8 @@ def read_fabric(path: str | Path) -> Fabric:
     >>> fabric.thickness > 0
     True
     """
+    if not Path(path).is_file():
+        raise FileNotFoundError(f"{path}: there is no such file; a card is a TOML file of a fabric")
     data = Path(path).read_bytes()
     try:
         # some editors put a mark of the byte order in front

@@ -86,6 +86,11 @@ class Wearer(Body):
         ellipsoids: Sequence[tuple[str, str, ArrayLike, ArrayLike]],
         from_rest: bool = True,
     ):
+        if not isinstance(recording, Recording):
+            raise TypeError(
+                f"a Wearer moves as a Recording, as of read_motion(file), not "
+                f"{type(recording).__name__}: {recording!r}"
+            )
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
         self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
