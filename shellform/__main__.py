@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | trade | run | resume | compare`.
+"""The command: `shellform new | check | trade | run | resume | compare | report`.
 
 Also as `python -m shellform`.
 
@@ -9,6 +9,7 @@ Also as `python -m shellform`.
     shellform run scene.toml        dresses the wearer, plays the motion, reports torques
     shellform resume out/scene      goes on with a run that was stopped
     shellform compare out/a out/b   says whether two runs differ in their torques
+    shellform report out/a out/b    writes a page with all of it, which opens without a network
 
 Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
 """
@@ -119,6 +120,11 @@ def parser() -> argparse.ArgumentParser:
     )
     compare.add_argument("one", type=Path, help="folder of a run")
     compare.add_argument("other", type=Path, help="folder of another, with other cloth or garment")
+    report = kinds.add_parser(
+        "report", allow_abbrev=False, help="write a page of one or more runs, for any browser"
+    )
+    report.add_argument("runs", type=Path, nargs="+", metavar="OUT", help="folder of a run")
+    report.add_argument("--out", type=Path, help="file (default: report.html in the first folder)")
     for kind in (run, resume):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
     return top
@@ -150,6 +156,8 @@ def main(given: Sequence[str] | None = None) -> None:
 
         found = compare_runs(options.one, options.other)
         console.say(comparison_lines(found, str(options.one), str(options.other)))
+    elif options.do == "report":
+        _report(options)
     else:
         from shellform.simulation.ensemble import resume
 
@@ -178,6 +186,21 @@ def _run(options: argparse.Namespace) -> None:
     if options.estimate:
         estimate(scene, out)
     _show(out, results, options.no_pictures)
+
+
+def _report(options: argparse.Namespace) -> None:
+    """Write the page, by rank 0; all ranks learn of what is wrong."""
+    comm, fault = MPI.COMM_WORLD, None
+    if comm.rank == 0:
+        from shellform.report.page import write_report
+
+        try:
+            print(f"wrote {write_report(options.runs, options.out)}")
+        except console.KNOWN as error:
+            fault = error
+    fault = comm.bcast(fault)
+    if fault is not None:
+        raise fault
 
 
 def _show(out: Path, results: dict, no_pictures: bool) -> None:
