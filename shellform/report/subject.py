@@ -97,7 +97,7 @@ def _garment(garment, summary):
 
 def _wearer(person, facts):
     stature = person.stature or facts.get("stature")
-    words = [f"stature {number(stature)} m" if stature else "stature by the motion"]
+    words = [f"stature {number(stature, 4)} m" if stature else "stature by the motion"]
     words.append(f"mass {number(person.mass)} kg" if person.mass else "median build")
     if person.girths:
         words.append(

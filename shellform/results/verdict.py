@@ -2,9 +2,9 @@
 """Whether two ensembles differ at all, told from their differences together.
 
 Each difference has its own 95 % interval (comparison.py), which leaves out zero in 5 of 100 equals.
-Of the twelve numbers of six joints one does so in almost half of all comparisons of equals. For one
-answer the p-values of Student's t are therefore judged together by Holm's rule (Scand. J. Stat. 6,
-1979): in rising order, p_1 <= ... <= p_m, number k differs while
+Of the twelve of six joints some does so in a quarter to a half of all comparisons of equals.
+For one answer the p-values of Student's t are therefore judged together by Holm's rule (Scand. J.
+Stat. 6, 1979): in rising order, p_1 <= ... <= p_m, number k differs while
 
     p_k <= 0.05 / (m - k + 1),
 
