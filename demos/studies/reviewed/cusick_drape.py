@@ -106,7 +106,7 @@ def hang(
     cells: tuple[int, int] = CELLS,
     seconds: float = 1.5,
     drag: float = 5.0,
-    damping: float = 1e-4,
+    damping: float = 2e-5,
 ) -> Hanging:
     """Let a specimen hang; `start` numbers the push, `drag` [1/s] and `damping` [s] see Newmark."""
     shell = ring_shell(fabric, cells)
