@@ -3,8 +3,8 @@
 
 Positions and directors are kept as the standing wearer sees them: from the middle of the hips, with
 axes forward, left and up. Put on from there, the cloth settles once more on the body it then meets.
-What friction inside the cloth bears is kept too, as it holds folds where they are. Cloth with other
-friction begins with unloaded sliders, as nothing is known of how it came to lie so.
+What friction inside the cloth bears is kept too, as it holds folds where they are. Cloth with
+another number of sliders begins with unloaded ones: nothing is known of how it came to lie so.
 """
 
 import os

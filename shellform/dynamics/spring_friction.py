@@ -156,6 +156,7 @@ class SpringFriction:
 
     def stored(self, w: np.ndarray) -> float:
         """Energy [J] of the springs behind the sliders at w (n, >= 3); nothing slips."""
+        self._aside[:] = 0.0  # forces that nobody asks for
         self._call(w, self._aside, False, False)
         return float(self._sums[0])
 

@@ -155,6 +155,36 @@ def test_fung_in_a_homogeneous_strain(kind, angle):
     np.testing.assert_allclose(force, [*(F @ S)[:, 0], 0.0], atol=1e-9 * np.abs(N).max())
 
 
+def solid_stress(strain):
+    """Membrane stress (3,) of the compressible solid, C33 by bracketing."""
+    mu, lam = 0.5 * E / (1 + NU), E * NU / (1 + NU) / (1 - 2 * NU)
+    C = np.array([[1 + 2 * strain[0], strain[2]], [strain[2], 1 + 2 * strain[1]]])
+    volume = np.linalg.det(C)
+    c = brentq(lambda c: mu * (c - 1) + 0.5 * lam * np.log(volume * c), 1e-3, 20, xtol=1e-15)
+    S = mu * np.eye(2) + (0.5 * lam * np.log(volume * c) - mu) * np.linalg.inv(C)
+    return T * S[[0, 1, 0], [0, 1, 1]]
+
+
+STRESS = {
+    "fung": lambda e: np.exp(e @ FUNG.membrane @ e / 40.0) * (FUNG.membrane @ e),
+    "surface": lambda e: SURFACE.membrane @ e,
+    "solid": solid_stress,
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("angle, cells", [(0.0, (1, 1)), (90.0, (1, 1)), (30.0, (8, 8))])
+def test_what_comes_out_is_what_was_put_in(case, angle, cells):
+    """Force on the edge of one cell and of 8 x 8 against the law; warp, weft, 30 deg."""
+    F = np.array([[1.25, 0.1], [-0.05, 0.9]])
+    e, turn = in_axes(F, angle)
+    N = STRESS[case](e)
+    S = turn @ [[N[0], N[2]], [N[2], N[1]]] @ turn.T
+    law, fabric = CASES[case]
+    force = edge_force("quads", law, fabric, F, angle, cells)
+    np.testing.assert_allclose(force, [*(F @ S)[:, 0], 0.0], atol=1e-8 * np.abs(N).max())
+
+
 @pytest.mark.parametrize("case, kind", ALL)
 def test_force_and_tangent_are_derivatives(case, kind):
     """Of the energy and of the force, by differences of a bent and stretched shell."""
