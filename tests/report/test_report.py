@@ -179,10 +179,15 @@ def test_names_of_files_are_text(two_runs, tmp_path):
     out = tmp_path / "run"
     shutil.copytree(two_runs[0], out)
     summary = summary_of(out)
+    # cells as given, of a kind that no error was measured of
+    summary["accuracy"] |= {"asked": None, "promised": None, "predicted": None, "estimated": None}
+    summary["accuracy"] |= {"predicted_all": {}, "another_start_changes": None}
+    summary["accuracy"] |= {"measured_against_known_to": None}
     summary["results"]["notes"] = ["</script><script>alert(1)</script>", "a & b"]
     (out / "summary.json").write_text(json.dumps(summary))
     text = write_report([out]).read_text(encoding="utf-8")
     assert "<script>alert" not in text and "&lt;script&gt;alert" in text and "a &amp; b" in text
+    assert "cells as given" in text and "is not kept" not in text
     assert Page(text).text.count("One run: name two or more folders") == 1
 
 
