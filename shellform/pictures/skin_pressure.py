@@ -32,6 +32,7 @@ def pressure_figure(
     time: float,
     title: str = "",
     sides: Sequence[str] = ("front", "back"),
+    top: float | None = None,
 ) -> None:
     """The body from some of SIDES, coloured by the mean pressure of the clothing.
 
@@ -43,6 +44,7 @@ def pressure_figure(
     ----------
     path : PNG file; wearer : Wearer, or Body with names and radii of the map
     map : results.skin_pressure.Map; time : float, of the pose [s]
+    sides : names in SIDES; top : end of the scale [Pa], None: as above
 
     Raises
     ------
@@ -74,14 +76,13 @@ def pressure_figure(
     normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
 
-    touched = np.flatnonzero(map.mean > 0)
-    touched = touched[np.argsort(map.mean[touched])]
-    area = np.cumsum(map.areas[touched])
-    top = map.mean[touched[np.searchsorted(area, 0.99 * area[-1])]] if len(touched) else 1.0
+    top = _end_of_scale(map) if top is None else top
     colours = ScalarMappable(LogNorm(1e-3 * top, top, clip=True), "YlOrRd")
     faces = colours.to_rgba(np.maximum(pressures, 1e-3 * top))
     faces[pressures <= 0] = (0.84, 0.85, 0.86, 1.0)
-    figure, panels = new_figure(1, (1 + 4 * len(sides), 8), title, columns=len(sides))
+    figure, panels = new_figure(
+        1, (9, 8) if len(sides) < 3 else (11, 4.8), title, columns=len(sides)
+    )
     front = np.degrees(np.arctan2(*heading_at(wearer, time)[1::-1]))
     for axes, label in zip(np.atleast_1d(panels), sides, strict=True):
         turn = SIDES[label]
@@ -102,6 +103,17 @@ def pressure_figure(
     bar = figure.colorbar(colours, ax=panels, shrink=0.6, extend="both")
     bar.set_label(
         f"mean pressure [Pa] over {map.seconds:.3g} s; most on a patch of "
-        f"{100 * map.size:.3g} cm: {map.mean.max():.4g} Pa"
+        f"{100 * map.size:.3g} cm: {map.mean.max():.4g} Pa",
+        fontsize=10 if len(sides) < 3 else 7,
     )
     save_figure(figure, Path(path))
+
+
+def _end_of_scale(map):
+    """Mean pressure that 99 % of the area touched stay below [Pa]."""
+    touched = np.flatnonzero(map.mean > 0)
+    if not len(touched):
+        return 1.0
+    touched = touched[np.argsort(map.mean[touched])]
+    area = np.cumsum(map.areas[touched])
+    return map.mean[touched[np.searchsorted(area, 0.99 * area[-1])]]

@@ -13,6 +13,7 @@ import numpy as np
 
 NONE = 255  # of a colour
 STEPS = 254
+DIGITS = 10  # of numbers, as in the tables of a run
 
 
 def packed(values: np.ndarray) -> dict[str, Any]:
@@ -50,7 +51,7 @@ def rounded_colours(values: np.ndarray, low: float, high: float) -> np.ndarray:
 
 
 def as_json(data: Any) -> str:
-    """JSON that may stand inside a script element of a page: no '<' in it, nan as null."""
+    """JSON for a script element of a page: ten digits, nan as null, no "<" in it."""
     text = json.dumps(_finite(data), separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
@@ -65,6 +66,6 @@ def _finite(data):
         return [_finite(value) for value in data]
     if isinstance(data, np.generic):
         return _finite(data.item())
-    if isinstance(data, float) and not np.isfinite(data):
-        return None
+    if isinstance(data, float):
+        return float(f"{data:.{DIGITS}g}") if np.isfinite(data) else None
     return data

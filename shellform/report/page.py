@@ -117,7 +117,7 @@ def _data_and_pictures(
         if map is not None:
             entry["skin"] = skin_data(run, map, skin_ends)
             words = f"{run.label}: mean pressure on the skin from the front, left, back and right"
-            skin_pictures += _image(skin_picture(run, map), words)
+            skin_pictures += _image(skin_picture(run, map, 10.0 ** skin_ends[1]), words)
         entries.append(entry)
     torque = _image(torque_picture(runs, curves, False), "Torque about the joints against time")
     if any(len(entry["strides"]) for own in curves for entry in own.values()):

@@ -134,6 +134,12 @@
     return { points, corners };
   }
 
+  function cornersOf(ball, count) {
+    const all = [];
+    for (let b = 0; b < count; b++) ball.corners.forEach((c) => all.push(...c.map((v) => v + b * ball.points.length)));
+    return columns(all);
+  }
+
   const BALL = sphere(20);
   const LIGHT = { ambient: 0.78, diffuse: 0.42, specular: 0.04, roughness: 0.9, fresnel: 0.05 };
 
@@ -242,9 +248,7 @@
     for (const name of ["places", "origins", "triangles", "centres", "axes"]) out[name] = unpacked(walk[name]);
     for (const name in walk.colours) out.colours[name] = unpacked(walk.colours[name]);
     out.corners = columns(out.triangles);
-    const count = walk.radii.length, body = [];
-    for (let b = 0; b < count; b++) BALL.corners.forEach((c) => body.push(...c.map((v) => v + b * BALL.points.length)));
-    out.bodyCorners = columns(body);
+    out.bodyCorners = cornersOf(BALL, walk.radii.length);
     return out;
   }
 
@@ -399,7 +403,7 @@
 
   // ---- the skin -------------------------------------------------------------------------------
   const skins = data.runs.map((run) => run.skin && { ...run.skin, places: whole(unpacked(run.skin.places)),
-    corners: columns(unpacked(run.skin.triangles)),
+    corners: cornersOf(sphere(run.skin.parts), run.skin.ellipsoids),
     colours: Object.fromEntries(Object.entries(run.skin.colours).map(([kind, own]) => [kind, unpacked(own)])) });
 
   function drawSkin() {

@@ -25,7 +25,7 @@ def read_skin(run: FinishedRun) -> Map | None:
 
 
 def unit_sphere(parts: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points (k, 3) of a sphere around its first axis, and triangles (t, 3)."""
+    """Points (k, 3) of a sphere around its first axis, and triangles (t, 3); as report.js has."""
     rows = parts // 2 + 1
     polar = np.linspace(0.0, np.pi, rows)[:, None]
     around = (2 * np.pi * np.arange(parts) / parts)[None, :]
@@ -47,10 +47,10 @@ def skin_scale(maps: list[Map]) -> list[float]:
 
 
 def skin_data(run: FinishedRun, map: Map, ends: list[float]) -> dict[str, Any]:
-    """The skin for the page: places (k, 3) of its points, triangles, colours; `ends` of those."""
+    """The skin for the page: places (k, 3) of its points, colours; `ends` of those."""
     wearer = part_of(run.scene, run.wearer, map.names)
     pose, patches = wearer.new_pose(wearer.start), Patches(map.radii, map.size)
-    sphere, triangles = unit_sphere(PARTS)
+    sphere, _ = unit_sphere(PARTS)
     places: list[np.ndarray] = []
     colours: dict[str, list[np.ndarray]] = {kind: [] for kind in KINDS}
     for b, radii in enumerate(map.radii):
@@ -60,14 +60,13 @@ def skin_data(run: FinishedRun, map: Map, ends: list[float]) -> dict[str, Any]:
             values = patches.values(b, local, getattr(map, kind))
             with np.errstate(divide="ignore", invalid="ignore"):
                 colours[kind].append(np.where(values > 0, np.log10(values), np.nan))
-    count = len(sphere)
-    corners = np.concatenate([triangles + k * count for k in range(len(map.radii))])
     origin = pose.centres.mean(axis=0) * (1.0, 1.0, 0.0)
     ahead = heading_at(wearer, wearer.start)
     return {
         "step": STEP,
         "places": packed(rounded_places(np.concatenate(places) - origin, STEP)),
-        "triangles": packed(corners.astype(np.int32)),
+        "parts": PARTS,
+        "ellipsoids": len(map.radii),
         "colours": {
             kind: packed(rounded_colours(np.concatenate(own), *ends))
             for kind, own in colours.items()

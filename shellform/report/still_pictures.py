@@ -6,11 +6,13 @@ PNG files as bytes; all joints at once, key frames of the walk, the skin from fo
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from shellform.pictures.skin_pressure import SIDES, pressure_figure
 from shellform.pictures.surfaces import new_figure, save_figure, view_axes
@@ -33,6 +35,7 @@ from .finished_run import FinishedRun
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 DASHES = ("-", "--", ":", "-.", "-", "--")
 KEYS = 7  # frames of a strip
+PALETTE = 160  # colours of a picture
 
 
 def torque_picture(
@@ -98,17 +101,21 @@ def walk_picture(run: FinishedRun) -> bytes:
     return _png(lambda path: save_figure(figure, path))
 
 
-def skin_picture(run: FinishedRun, map: Map) -> bytes:
-    """The mean pressure on the skin from the front, the left, the back and the right."""
+def skin_picture(run: FinishedRun, map: Map, top: float) -> bytes:
+    """The mean pressure on the skin from four sides; `top` : end of the scale [Pa]."""
     wearer = part_of(run.scene, run.wearer, map.names)
     return _png(
-        lambda path: pressure_figure(path, wearer, map, wearer.start, "", sides=tuple(SIDES))
+        lambda path: pressure_figure(path, wearer, map, wearer.start, "", tuple(SIDES), top)
     )
 
 
 def _png(draw):
-    """Bytes of the file that a function writes to a path."""
+    """Bytes of the picture that a function writes, in few colours: a third of the size."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
         draw(path)
-        return path.read_bytes()
+        with Image.open(path) as image:
+            few = image.convert("RGB").quantize(PALETTE, method=Image.Quantize.FASTOCTREE)
+        out = BytesIO()
+        few.save(out, format="PNG")
+        return out.getvalue()

@@ -22,7 +22,7 @@ def error_table(runs: list[FinishedRun]) -> Markup:
     """Errors predicted and reached, and what the steps have left over."""
     entries = [run.summary["accuracy"] for run in runs]
     names = list(dict.fromkeys(name for entry in entries for name in entry["predicted_all"]))
-    rows = [["accuracy asked for", *(entry["asked"] for entry in entries)]]
+    rows = [["accuracy asked for", *(_asked(entry) for entry in entries)]]
     rows += [
         [f"{name}: predicted", *(percent(entry["predicted_all"].get(name)) for entry in entries)]
         for name in names
@@ -57,6 +57,14 @@ def error_table(runs: list[FinishedRun]) -> Markup:
     return table(["", *(run.label for run in runs)], rows, "Errors, predicted and reached", "facts")
 
 
+def _asked(accuracy):
+    """The accuracy asked for, in words."""
+    asked = accuracy["asked"]
+    if asked is None:
+        return "cells as given"
+    return asked if isinstance(asked, str) else percent(asked)
+
+
 def _left_over(run):
     """Energy that the steps have left over at the end [J]; None without a ledger."""
     path = run.out / "ledger.csv"
@@ -78,9 +86,9 @@ def warnings_of(run: FinishedRun) -> list[str]:
     """What is unusual about a run, in sentences; empty for one without fault."""
     accuracy, results, fit = run.summary["accuracy"], run.results, run.results["dressing"]
     found = []
-    if not accuracy.get("promised", True):
+    if accuracy["promised"] is False:
         found.append(
-            f"the error asked for ({accuracy['asked']}) is not kept: {accuracy['of']} is predicted "
+            f"the error asked for ({_asked(accuracy)}) is not kept: {accuracy['of']} is predicted "
             f"to be {percent(accuracy['predicted'])} off"
         )
     known = accuracy.get("measured_against_known_to")

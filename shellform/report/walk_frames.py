@@ -25,7 +25,7 @@ from .finished_run import FinishedRun
 from .packed import packed, rounded_colours, rounded_places
 
 STEP = 1e-4  # of places [m]
-MOST = 7e6  # characters of all runs together
+MOST = 6e6  # characters of all runs together
 DECADES = 3.0  # of pressure, below the greatest: a belt presses a thousand times harder than a leg
 SHARE = 0.99  # of the values that a scale reaches to
 

@@ -80,6 +80,7 @@ def test_rounding():
 def test_json_stands_inside_a_script():
     text = as_json({"a": "</script>&", "b": np.array([1.0, np.nan]), "c": (np.int64(2), None)})
     assert not set("<>&") & set(text)
+    assert json.loads(as_json(np.array([np.pi]))) == [3.141592654]
     assert json.loads(text) == {"a": "</script>&", "b": [1.0, None], "c": [2, None]}
 
 

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A report holds what the files of its runs say, and nothing that asks for a network."""
 
+import argparse
 import csv
+import doctest
 import json
 import re
 import shutil
@@ -13,12 +15,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from demos.walk import report_line
 from shellform.__main__ import main
+from shellform.report import page as page_module
 from shellform.report import plotly_library
 from shellform.report.finished_run import finished_runs, labels
 from shellform.report.joint_tables import comparison_sections
 from shellform.report.packed import unpacked
 from shellform.report.page import write_report
+from shellform.results import verdict
 from tests.ranks import ROOT
 
 pytestmark = pytest.mark.serial
@@ -142,7 +147,7 @@ def test_curves_are_the_mean_of_torque_csv(page, two_runs):
                 with open(path) as file:
                     rows = [row for row in csv.DictReader(file) if row["joint"] == joint]
                 curves.append([float(row["torque_flexion"]) for row in rows])
-            assert own["time"] == [float(row["time"]) for row in rows]
+            assert own["time"] == pytest.approx([float(row["time"]) for row in rows], rel=1e-9)
             assert own["torque"] == pytest.approx(np.mean(curves, axis=0), rel=1e-9, abs=1e-15)
             error = np.std(curves, axis=0, ddof=1) / np.sqrt(len(files))
             assert own["error"] == pytest.approx(error, rel=1e-9, abs=1e-12)
@@ -174,10 +179,15 @@ def test_names_of_files_are_text(two_runs, tmp_path):
     out = tmp_path / "run"
     shutil.copytree(two_runs[0], out)
     summary = summary_of(out)
+    # cells as given, of a kind that no error was measured of
+    summary["accuracy"] |= {"asked": None, "promised": None, "predicted": None, "estimated": None}
+    summary["accuracy"] |= {"predicted_all": {}, "another_start_changes": None}
+    summary["accuracy"] |= {"measured_against_known_to": None}
     summary["results"]["notes"] = ["</script><script>alert(1)</script>", "a & b"]
     (out / "summary.json").write_text(json.dumps(summary))
     text = write_report([out]).read_text(encoding="utf-8")
     assert "<script>alert" not in text and "&lt;script&gt;alert" in text and "a &amp; b" in text
+    assert "cells as given" in text and "is not kept" not in text
     assert Page(text).text.count("One run: name two or more folders") == 1
 
 
@@ -259,3 +269,17 @@ def test_the_command_line_loads_nothing_of_it():
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("module", [page_module, verdict])
+def test_examples_of_docstrings_run(module):
+    outcome = doctest.testmod(module)
+    assert outcome.failed == 0 and outcome.attempted > 0
+
+
+def test_a_walk_goes_on_without_plotly(monkeypatch, tmp_path):
+    """demos/walk.py says in one line how to get it, and writes nothing."""
+    monkeypatch.setattr(plotly_library, "is_there", lambda: False)
+    said = report_line(argparse.Namespace(out=tmp_path), ["compliant"])
+    assert said.startswith("no report.html: a report needs the package plotly: pip install plotly")
+    assert "\n" not in said and not list(tmp_path.iterdir())
