@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | trade | run | resume | compare`.
+"""The command: `shellform new | check | trade | run | resume | compare | fabric`.
 
 Also as `python -m shellform`.
 
@@ -9,6 +9,7 @@ Also as `python -m shellform`.
     shellform run scene.toml        dresses the wearer, plays the motion, reports torques
     shellform resume out/scene      goes on with a run that was stopped
     shellform compare out/a out/b   says whether two runs differ in their torques
+    shellform fabric card.toml      pulls, shears, bends, hangs, loops and drapes a fabric
 
 Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
 """
@@ -22,11 +23,13 @@ from mpi4py import MPI
 
 from . import console
 
+TESTS = ("pull", "shear", "bend", "hang", "loop", "drape")
 TEMPLATE = """\
 # A scene of shellform. Everything left out has the value shown; paths are relative to this file.
 # SI units; x is forward, y to the wearer's left, z up, the floor at 0.
 title = "trousers over an obstacle"
-fabric = "compliant"        # or "stiff", a card.toml, or a table as in a card
+fabric = "compliant"        # or stiff, suiting, field_cloth, denim, canvas, aramid, knit; or a
+                            # card.toml, or a table as in a card
 belt_N = 20                 # tension of the belt; 0 for none
 
 [motion]
@@ -119,7 +122,19 @@ def parser() -> argparse.ArgumentParser:
     )
     compare.add_argument("one", type=Path, help="folder of a run")
     compare.add_argument("other", type=Path, help="folder of another, with other cloth or garment")
-    for kind in (run, resume):
+    fabric = kinds.add_parser(
+        "fabric", allow_abbrev=False, help="test a fabric as laboratories do: KES, D1388, Cusick"
+    )
+    fabric.add_argument("card", help="a shipped card or the file of one")
+    fabric.add_argument("--out", type=Path, help="folder for results (default: out/fabric/NAME)")
+    fabric.add_argument("--only", nargs="+", choices=TESTS, default=TESTS, help="tests to run")
+    fabric.add_argument(
+        "--starts", type=console.positive(int), default=1, help="drapes whose mean is reported"
+    )
+    fabric.add_argument(
+        "--no-bands", action="store_true", help="leave out what estimated inputs spread over"
+    )
+    for kind in (run, resume, fabric):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
     return top
 
@@ -144,6 +159,8 @@ def main(given: Sequence[str] | None = None) -> None:
         console.say(lines)
     elif options.do == "run":
         _run(options)
+    elif options.do == "fabric":
+        _fabric(options)
     elif options.do == "compare":
         from shellform.results.comparison import comparison_lines
         from shellform.simulation.ensemble import compare_runs
@@ -178,6 +195,30 @@ def _run(options: argparse.Namespace) -> None:
     if options.estimate:
         estimate(scene, out)
     _show(out, results, options.no_pictures)
+
+
+def _fabric(options: argparse.Namespace) -> None:
+    """Tests of a fabric, with lines and a picture by rank 0."""
+    from shellform.bench.run import fabric_tests, summary_lines
+    from shellform.material.card import fabric_of
+
+    fabric = fabric_of(options.card)
+    out = options.out or Path("out/fabric") / fabric.name
+    bands = not options.no_bands
+    results = fabric_tests(fabric, options.only, starts=options.starts, bands=bands, out=out)
+    console.say(summary_lines(fabric, results))
+    if MPI.COMM_WORLD.rank:
+        return
+    wrote = [f"{out}/summary.json"]
+    if not options.no_pictures:
+        # only here: it loads matplotlib
+        from shellform.pictures.fabric_tests import fabric_figure
+
+        estimated = results["estimated"]
+        title = f"{fabric.name}, estimated: {', '.join(estimated)}" if estimated else fabric.name
+        fabric_figure(out / "fabric.png", results, title)
+        wrote.append("fabric.png")
+    print(f"wrote {', '.join(wrote)}")
 
 
 def _show(out: Path, results: dict, no_pictures: bool) -> None:
