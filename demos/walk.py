@@ -23,10 +23,10 @@ Source. The paper's Sec. 4.2; the synthetic walk is that of shellform/motion/gai
     python demos/walk.py --motion walk.c3d --fabric stiff
     python demos/walk.py --motion walk.trc --static standing.trc --start 1.2 --seconds 3.4
 
-leaves walk.png, torque.png, pressure.png, walk.gif, summary.json and, where cloth wrinkles below
-its cells, wrinkles.png in the folder, and a folder a fabric with torque_mean.csv, torque.csv,
-ledger.csv, a series for ParaView, the dressed state and a checkpoint (`shellform resume`), further
-starts in run_1, run_2, ...
+leaves report.html, walk.png, torque.png, pressure.png, walk.gif, summary.json and, where cloth
+wrinkles below its cells, wrinkles.png in the folder, and a folder a fabric with torque_mean.csv,
+torque.csv, ledger.csv, a series for ParaView, the dressed state and a checkpoint (`shellform
+resume`), further starts in run_1, run_2, ...
 """
 
 import argparse
@@ -91,6 +91,7 @@ def arguments(given):
     parser.add_argument("--window", type=positive(float), default=0.02, help="of averages, s")
     parser.add_argument("--time-step-factor", type=positive(float), default=0.9)
     parser.add_argument("--frames", type=positive(float), default=15.0, help="pictures a second")
+    parser.add_argument("--no-report", action="store_true", help="leave report.html out")
     parser.add_argument("--out", type=Path, default=Path("out/walk"), help="folder for results")
     return console.parse(parser, given)
 
@@ -162,6 +163,20 @@ def main(given=None):
     )
     written = "walk.png, torque.png, pressure.png, wrinkles.png, walk.gif, summary.json"
     console.say([f"\nwrote {options.out}/{written}"])
+    if COMM.rank == 0 and not options.no_report:
+        print(report_line(options, names))
+
+
+def report_line(options, names):
+    """Write report.html of all fabrics; a line that says so, or why there is none."""
+    # only here: rank 0 alone writes it, and its drawing library is an option
+    from shellform.report import plotly_library
+    from shellform.report.page import write_report
+
+    if not plotly_library.is_there():
+        return f"no report.html: {plotly_library.HOW}"
+    folders = [options.out / name for name in names]
+    return f"wrote {write_report(folders, options.out / 'report.html')}"
 
 
 def draw(options, names, scene):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | trade | run | resume | compare | fabric`.
+"""The command `shellform`: new, check, trade, run, resume, compare, report, export, fabric.
 
 Also as `python -m shellform`.
 
@@ -9,13 +9,15 @@ Also as `python -m shellform`.
     shellform run scene.toml        dresses the wearer, plays the motion, reports torques
     shellform resume out/scene      goes on with a run that was stopped
     shellform compare out/a out/b   says whether two runs differ in their torques
+    shellform export out/a --to opensim     writes its forces and torques for OpenSim
+    shellform report out/a out/b    writes a page with all of it, which opens without a network
     shellform fabric card.toml      pulls, shears, bends, hangs, loops and drapes a fabric
 
 Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
 """
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -134,6 +136,23 @@ def parser() -> argparse.ArgumentParser:
     fabric.add_argument(
         "--no-bands", action="store_true", help="leave out what estimated inputs spread over"
     )
+    export = kinds.add_parser(
+        "export", allow_abbrev=False, help="write a run's forces and torques for OpenSim"
+    )
+    export.add_argument("out", type=Path, help="folder of the run")
+    export.add_argument("--to", choices=["opensim"], default="opensim", help="the program")
+    export.add_argument(
+        "--model",
+        choices=["rajagopal", "gait2392"],
+        default="rajagopal",
+        help="whose names and signs the coordinates have (default: %(default)s)",
+    )
+    export.add_argument("--folder", type=Path, help="for the files (default: opensim in OUT)")
+    report = kinds.add_parser(
+        "report", allow_abbrev=False, help="write a page of one or more runs, for any browser"
+    )
+    report.add_argument("runs", type=Path, nargs="+", metavar="OUT", help="folder of a run")
+    report.add_argument("--out", type=Path, help="file (default: report.html in the first folder)")
     for kind in (run, resume, fabric):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
     return top
@@ -167,6 +186,10 @@ def main(given: Sequence[str] | None = None) -> None:
 
         found = compare_runs(options.one, options.other)
         console.say(comparison_lines(found, str(options.one), str(options.other)))
+    elif options.do == "export":
+        _export(options)
+    elif options.do == "report":
+        _report(options)
     else:
         from shellform.simulation.ensemble import resume
 
@@ -219,6 +242,42 @@ def _fabric(options: argparse.Namespace) -> None:
         fabric_figure(out / "fabric.png", results, title)
         wrote.append("fabric.png")
     print(f"wrote {', '.join(wrote)}")
+
+
+def _export(options: argparse.Namespace) -> None:
+    """Files for another program, by rank 0; all ranks learn of what is wrong."""
+
+    def write() -> None:
+        from shellform.export.opensim import export, export_lines
+
+        folder = options.folder or options.out / options.to
+        console.say(export_lines(export(options.out, folder, options.model), folder))
+
+    _by_rank_0(write)
+
+
+def _report(options: argparse.Namespace) -> None:
+    """Write the page, by rank 0; all ranks learn of what is wrong."""
+
+    def write() -> None:
+        from shellform.report.page import write_report
+
+        print(f"wrote {write_report(options.runs, options.out)}")
+
+    _by_rank_0(write)
+
+
+def _by_rank_0(write: Callable[[], None]) -> None:
+    """Call it on rank 0; what it raises is raised on all ranks."""
+    comm, fault = MPI.COMM_WORLD, None
+    if comm.rank == 0:
+        try:
+            write()
+        except console.KNOWN as error:
+            fault = error
+    fault = comm.bcast(fault)
+    if fault is not None:
+        raise fault
 
 
 def _show(out: Path, results: dict, no_pictures: bool) -> None:

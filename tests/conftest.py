@@ -22,6 +22,8 @@ try:
 except ImportError as error:
     MPI, MISSING = None, str(error)
 
+# Tests of what knows of no ranks, by `make lint`: on two of them all would be computed twice
+WITHOUT_RANKS = ("contact", "meshes", "motion", "test_type_hints.py")
 DATA = Path(__file__).resolve().parents[1] / "../shared/data"
 
 
@@ -35,6 +37,14 @@ def pytest_configure(config):
         gc.disable()  # see collect_garbage_together
         if MPI.COMM_WORLD.rank > 0:
             config.pluginmanager.unregister(name="terminalreporter")
+
+
+@pytest.hookimpl(tryfirst=True)  # before -m chooses
+def pytest_collection_modifyitems(items):
+    for item in items:
+        room = item.path.relative_to(Path(__file__).parent).parts[0]
+        if room in WITHOUT_RANKS and not {"comm", "shared_tmp_path"} & set(item.fixturenames):
+            item.add_marker(pytest.mark.serial)
 
 
 @pytest.hookimpl(hookwrapper=True)

@@ -3,6 +3,8 @@
 
 Positions and directors are kept as the standing wearer sees them: from the middle of the hips, with
 axes forward, left and up. Put on from there, the cloth settles once more on the body it then meets.
+What friction inside the cloth bears is kept too, as it holds folds where they are. Cloth with other
+friction begins with unloaded sliders, as nothing is known of how it came to lie so.
 """
 
 import os
@@ -25,6 +27,9 @@ def save(path: str | Path, stepper: Newmark, wearer: Wearer) -> None:
     """Write the present state atomically; all ranks call."""
     shell = stepper.shell
     positions, directors = shell.positions(), shell.directors()
+    friction, borne = stepper.force_model.friction, {}
+    if friction is not None:
+        borne["borne"] = shell.partition.gather_cells(friction.borne(stepper.w))
     if shell.comm.rank:
         return
     middle, axes = _axes(wearer)
@@ -37,6 +42,7 @@ def save(path: str | Path, stepper: Newmark, wearer: Wearer) -> None:
             directors=directors @ axes.T,
             rest=shell.surface.points - shell.surface.points.mean(axis=0),
             radii=wearer.radii,
+            **borne,
         )
     os.replace(part, path)
 
@@ -73,7 +79,18 @@ def put_on(
         stepper.owned[:, 3:] = state["directors"][own] @ axes
         stepper.v[:], stepper.q[:] = 0.0, 0.0
         stepper.scatter()
+        _bear(stepper, state.get("borne"))
         return settle_again(stepper, tension, dressing)
+
+
+def _bear(stepper, borne):
+    """Let sliders inside the cloth bear stresses (m, s) of all cells; None: none."""
+    if stepper.shell.fabric.friction is None:
+        return
+    cells, partition = stepper.shell.cell_stress, stepper.shell.partition
+    if borne is not None and borne.shape[1] != cells.slips.shape[1]:
+        borne = None
+    cells.bear(stepper.w, None if borne is None else borne[partition.cells[: cells.count]])
 
 
 def _axes(wearer: Wearer) -> tuple[np.ndarray, np.ndarray]:

@@ -313,5 +313,5 @@ def check_settings(time_step_factor: float, damping: float, drag: float) -> None
             f"{time_step_factor} of it"
         )
     for name, value in (("damping", damping), ("drag", drag)):
-        if not 0 <= value < np.inf:
+        if isinstance(value, str) or not 0 <= value < np.inf:
             raise ValueError(f"{name} is a finite number, not negative, not {value}")

@@ -7,12 +7,34 @@ and a linear stand-in from which the stable step follows. `ShellForce` is the di
 `Newmark(shell, force_model=...)`.
 """
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from shellform.fem.cell_stress import CellStress
+
+class InnerFriction(Protocol):
+    """Friction inside the cloth: sliders in the cells of this rank, in its own order.
+
+    Attributes
+    ----------
+    slips : (m, s), of the sliders of each cell, copied; see `ClothFriction.table`
+    lost : float [J], what they have lost on this rank since the start
+    state : arrays that steps change, for a copy and its return
+    """
+
+    lost: float
+
+    @property
+    def slips(self) -> np.ndarray: ...
+
+    @property
+    def state(self) -> list[np.ndarray]: ...
+
+    def set_slips(self, slips: np.ndarray) -> None:
+        """Take over slips (m, s)."""
+
+    def borne(self, w: np.ndarray) -> np.ndarray:
+        """Stresses (m, s) that the sliders bear at w (n_local, 6)."""
 
 
 class ForceModel(Protocol):
@@ -30,7 +52,7 @@ class ForceModel(Protocol):
     turns_directors: bool
 
     @property
-    def friction(self) -> "CellStress | None": ...
+    def friction(self) -> InnerFriction | None: ...
 
     def force(self, w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float) -> np.ndarray:
         """Forces with damping, at a time [s]; may be written over by the next call."""

@@ -35,7 +35,7 @@ import numpy as np
 
 from shellform.errors import NotConverged
 from shellform.fem.director import along, carry
-from shellform.fem.shell import Shell
+from shellform.fem.shell import Shell, require_shell
 from shellform.statics.newton import Newton
 
 from .books import BY_LOADS, EXTERNAL
@@ -120,7 +120,7 @@ class ImplicitNewmark(Stepper):
             raise ValueError(f"a truncation error is a positive length in m, not {tolerance}")
         if not 0 <= drag < np.inf:
             raise ValueError(f"drag is a finite number, not negative, not {drag}")
-        if shell.supports.steady_goals():
+        if require_shell(shell, "ImplicitNewmark").supports.steady_goals():
             raise ValueError("in dynamics a prescribed displacement is a function of time")
         self.equilibrium = Inertial(shell)
         super().__init__(shell, rotary_scale, prefix)

@@ -7,7 +7,8 @@ Interface, 1995) shortens structural and shear springs that would end a step bey
 parts see the velocities, so that contact has the last word. The impulses go along the spring by
 inverse masses: momentum is kept, angular momentum to the turn of the spring in a step.
 
-Directors are the surface's normals, brought up to date at output.
+Directors are the surface's normals, brought up to date at output. Friction inside the cloth is in
+the strains of cells (spring_friction.py), as in a shell, which can take it over.
 """
 
 from typing import Any, NamedTuple
@@ -15,6 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact.kernel import kernel
+from shellform.fem.cell_membrane import cell_warp
+from shellform.fem.dolfinx_compat import cell_nodes
 from shellform.fem.shell import Shell
 from shellform.material.energy import StVenant
 
@@ -143,11 +146,6 @@ class Particles(Newmark):
                 f"springs follow the default law of a sheet, not {shell.law!r}: use Newmark, or "
                 "make the shell without `law`"
             )
-        if shell.fabric.friction is not None:
-            raise ValueError(
-                f"springs have no friction inside the cloth, which '{shell.fabric.name}' has: use "
-                "Newmark, or shell.fabric.with_friction(None)"
-            )
         check_settings(time_step_factor, damping, drag)
         if strain_limit is not None and not strain_limit > 0:
             raise ValueError(f"a strain limit is above zero, as 0.1, not {strain_limit}")
@@ -155,8 +153,9 @@ class Particles(Newmark):
         self._cells = partition.local(cells.ravel()).reshape(cells.shape)
         points = np.ascontiguousarray(partition.surface.points[partition.owned_nodes])
         springs = Springs(
-            shell.surface, self._cells, points, shell.fabric, bending, curvature, damping
-        )
+            shell.surface, self._cells, points, shell.fabric, bending, curvature, damping,
+            _friction(shell, points),
+        )  # fmt: skip
         super().__init__(shell, time_step_factor, damping, drag, 0.0, prefix, springs)
         self._limit: Limit | None = None
         self._limited = springs.table[: springs.limited]
@@ -212,12 +211,30 @@ class Particles(Newmark):
         return N, rate
 
 
+def _friction(shell, points):
+    """Friction inside the cloth, its cells in the shell's order; None for a fabric without."""
+    if shell.fabric.friction is None:
+        return None
+    # only here: kernels that other fabrics do not need
+    from .spring_friction import SpringFriction
+
+    warp = cell_warp(shell.surface, shell.fabric, shell.partition)
+    directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
+    return SpringFriction(points, directors, cell_nodes(shell.space), warp, shell.fabric)
+
+
 def hand_over(particles: Particles, newmark: Newmark) -> None:
     """Give positions, velocities and time to a Newmark stepper of the same surface.
 
     Where both have a contact, what is touched is handed over too. Directors and their rates are
     those of the surface's normals; held directors go back to rest, as particles know none and let
     them follow the normals.
+
+    Sliders inside the cloth bear in the shell what they bore before, and what they have lost stays
+    booked. Their slips are not copied: strains of a shell, of arcs and directors, are not quite
+    those of springs, and sliders, stiff as they are, would make stress of the difference. Nor do
+    they start unloaded, as the folds that friction holds would open. Where the shell's fabric has
+    other friction, what its sliders bear is not known, and they start unloaded.
     """
     newmark.shell.claim(newmark)
     v, _ = particles.velocities()
@@ -230,6 +247,17 @@ def hand_over(particles: Particles, newmark: Newmark) -> None:
     newmark.q[:] = np.where(free[:, None], q, 0.0)
     newmark.time, newmark.clock.last_dt = particles.time, 0.0
     newmark.scatter()
+    _take_over_friction(particles, newmark)
     newmark.check_step()
     if particles.contact is not None and newmark.contact is not None:
         newmark.contact.set_touched(particles.contact.touched())
+
+
+def _take_over_friction(particles, stepper):
+    """Let the sliders of a stepper's shell bear what those of particles do."""
+    shell, before = stepper.shell, particles.force_model.friction
+    if shell.fabric.friction is None:
+        return
+    same = shell.fabric.friction == particles.shell.fabric.friction
+    lost = before.lost if same else 0.0
+    shell.cell_stress.bear(stepper.w, before.borne(particles.w) if same else None, lost)

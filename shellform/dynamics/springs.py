@@ -8,9 +8,12 @@ carry half. C12 cannot be chosen: it is G t. Flexion (Provot, Proc. Graphics Int
 no linear bending rigidity: its moment k_f h^4 kappa^3/8 is set to B kappa at one curvature; what it
 adds to C11 is taken off the edges below it. Buckling springs (Choi and Ko, ACM Trans. Graph. 21,
 2002): k_b = B h/2, f = k_b kappa^2/(cos(kappa L/2) - sinc(kappa L/2)), -12 k_b/L^2 when straight.
+Friction inside the cloth (spring_friction.py) is in the strains of cells that springs measure.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +23,9 @@ from meshes.topology import directed_edges, unique_edges
 from shellform.material.sheet import Sheet
 
 from .explicit_kernels import work_over
+
+if TYPE_CHECKING:
+    from .spring_friction import SpringFriction
 
 EDGE, DIAGONAL, BEND = 0, 1, 2
 
@@ -155,6 +161,7 @@ class Springs:
     damping : float [s], of each spring, along it
     bending : 'flexion', 'buckling' or 'none'
     curvature : float [1/m] or None, where flexion has the fabric's B; None: 1/bending length
+    friction : SpringFriction of the same cells or None
 
     Attributes
     ----------
@@ -163,7 +170,6 @@ class Springs:
     """
 
     turns_directors = False
-    friction = None
 
     def __init__(
         self,
@@ -174,12 +180,13 @@ class Springs:
         bending: str = "flexion",
         curvature: float | None = None,
         damping: float = 0.0,
+        friction: SpringFriction | None = None,
     ) -> None:
         if bending not in ("flexion", "buckling", "none"):
             raise ValueError(f"bending is one of flexion, buckling, none, not '{bending}'")
         if cells.shape[1] != 4:
             raise ValueError(f"springs need 4-node quads; {surface.source} has other cells")
-        self.points, self.damping = points, damping
+        self.points, self.damping, self.friction = points, damping, friction
         rows = directed_edges(cells)
         first, number, count = unique_edges(rows, len(points))
         edges = rows[first]
@@ -205,7 +212,7 @@ class Springs:
             np.add.at(rigidity, number[:, side], half)
         diagonals = np.concatenate([cells[:, [0, 2]], cells[:, [1, 3]]])
         k_d = np.tile(shear * (h1**2 + h2**2) / (2 * h1 * h2), 2)
-        two, lines = _lines(edges, number, count, len(points))
+        two, lines, *_ = grid_lines(edges, number, count, len(points))
         if bending == "none":
             two, lines = two[:0], lines[:0]
         reach = np.linalg.norm(points[two[:, 1]] - points[two[:, 0]], axis=1)
@@ -241,6 +248,8 @@ class Springs:
     def force(self, w: np.ndarray, v: np.ndarray, q: np.ndarray, time: float) -> np.ndarray:
         """See ForceModel."""
         forces(self.points, w, v, self.damping, self.table, False, self.r, self.viscous)
+        if self.friction is not None:
+            self.friction.add_force(w, self.r)
         return self.r
 
     def freeze(self, w: np.ndarray) -> None:
@@ -249,12 +258,15 @@ class Springs:
     def elastic(self, w: np.ndarray, frozen: None) -> np.ndarray:
         """See ForceModel; buckling springs with the slope they start with, on both sides."""
         forces(self.points, w, self.points, 0.0, self.table, True, self.r, self.viscous)
+        if self.friction is not None:
+            self.friction.add_stuck(w, self.r)
         return self.r
 
     def energy(self, w: np.ndarray) -> dict[str, float]:
         """Strain energy [J] by kind of spring."""
         energies(self.points, w, self.table, self._energy)
-        return dict(zip(("structural", "shear", "flexion"), self._energy.tolist(), strict=True))
+        kinds = dict(zip(("structural", "shear", "flexion"), self._energy.tolist(), strict=True))
+        return kinds if self.friction is None else kinds | {"friction": self.friction.stored(w)}
 
     def damping_loss(self, v_old: np.ndarray, v: np.ndarray, dt: float, last: float) -> float:
         """See ForceModel."""
@@ -262,12 +274,14 @@ class Springs:
 
     def describe(self) -> dict[str, Any]:
         """See ForceModel."""
-        return {"terms": ["springs"]}
+        return {"terms": ["springs"] + ["friction inside the cloth"] * (self.friction is not None)}
 
 
 def _along_cells(surface, corners, fabric):
     """Membrane and bending matrices (m, 3, 3) in axes along the first edge of each cell."""
     m = len(corners)
+    # friction, which stands in axes of its own, is not the springs'
+    fabric = fabric.with_friction(None)
     if not fabric.directional:
         return np.tile(fabric.membrane, (m, 1, 1)), np.tile(fabric.bending, (m, 1, 1))
     edge = corners[:, 1] - corners[:, 0]
@@ -282,27 +296,46 @@ def _along_cells(surface, corners, fabric):
     return A[which], B[which]
 
 
-def _lines(edges, number, count, nodes):
-    """Ends (f, 2) two apart along grid lines, and the two edges (f, 2) between."""
-    cells_at = [set() for _ in edges]
+class GridLines(NamedTuple):
+    """Pieces of grid lines, two edges long.
+
+    ends : (f, 2) int, nodes; edges : (f, 2) int, of the surface; middle : (f,) int, node between
+    across : (f, 2) int, the neighbours of the middle aside of the line, at a border it itself
+    """
+
+    ends: np.ndarray
+    edges: np.ndarray
+    middle: np.ndarray
+    across: np.ndarray
+
+
+def grid_lines(edges: np.ndarray, number: np.ndarray, count: np.ndarray, nodes: int) -> GridLines:
+    """Where grid lines of quads pass through nodes.
+
+    Parameters
+    ----------
+    edges : (e, 2) int, nodes; number : (m, 4) int, edges of cells; count : (e,), cells at each
+    """
+    cells_at: list[set] = [set() for _ in edges]
     for cell, own in enumerate(number.tolist()):
         for e in own:
             cells_at[e].add(cell)
-    at = [[] for _ in range(nodes)]
+    at: list[list] = [[] for _ in range(nodes)]
     for e, (a, b) in enumerate(edges.tolist()):
         at[a].append((e, b))
         at[b].append((e, a))
-    ends, lines = [], []
-    for meeting in at:
+    found = []
+    for node, meeting in enumerate(at):
         inside = all(count[e] == 2 for e, _ in meeting)
         if len(meeting) != (4 if inside else 3):
             continue  # a corner, or an irregular node: no line passes
         for p, (e, a) in enumerate(meeting):
             for f, b in meeting[p + 1 :]:
                 if not cells_at[e] & cells_at[f]:
-                    ends.append((a, b))
-                    lines.append((e, f))
-    return np.array(ends, np.int64).reshape(-1, 2), np.array(lines, np.int64).reshape(-1, 2)
+                    aside = [c for _, c in meeting if c not in (a, b)] + [node]
+                    found.append((a, b, e, f, node, *aside[:2]))
+    lines = np.array(found, np.int64).reshape(-1, 7)
+    return GridLines(lines[:, :2], lines[:, 2:4], lines[:, 4], lines[:, 5:])
 
 
 def _turn(rest, k, k_b):

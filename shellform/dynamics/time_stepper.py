@@ -18,7 +18,7 @@ from shellform.fem.callback_errors import exceptions_as_raised
 from shellform.fem.destroyed_together import destroy_with
 from shellform.fem.dolfinx_compat import Function, petsc_view
 from shellform.fem.lumped_mass import lumped
-from shellform.fem.shell import Shell
+from shellform.fem.shell import Shell, require_shell
 
 from . import explicit_kernels
 from .books import BY_DRAG, BY_LOADS, BY_SUPPORTS, Clock, new_books
@@ -47,7 +47,7 @@ class Stepper:
     implicit = False
 
     def __init__(self, shell: Shell, rotary_scale: float, prefix: str) -> None:
-        self.shell = shell
+        self.shell = require_shell(shell, type(self).__name__)
         self.parts: list[Part] = []
         self.contact: RunningContact | None = None
         partition, n = shell.partition, shell.partition.n_owned

@@ -138,6 +138,19 @@ class CellStress:
         if self._slips is not None:
             self._slips[:] = in_blocks(np.asarray(slips, float), self._width)
 
+    def borne(self, w: np.ndarray) -> np.ndarray:
+        """Stresses (m, s) that the sliders bear at w (n, 6)."""
+        if self._friction is None:
+            return np.zeros((self.count, 0))
+        return self._friction.stresses(self.strains(w), self.slips)
+
+    def bear(self, w: np.ndarray, stresses: np.ndarray | None, lost: float = 0.0) -> None:
+        """Let the sliders bear stresses (m, s) at w (n, 6), None: none; `lost`: energy before."""
+        if self._friction is not None:
+            stresses = np.zeros_like(self.slips) if stresses is None else stresses
+            self.set_slips(self._friction.slips_that_bear(self.strains(w), stresses))
+            self.lost = lost
+
     def forget(self) -> None:
         """Take all slips back, and what they have lost."""
         for array in self.state:

@@ -8,7 +8,6 @@ two rotations of a node enter later, algebraically (director.py, equilibrium.py)
 
 from __future__ import annotations
 
-import warnings
 import weakref
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -20,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from meshes import Surface
-from meshes.geometry import widest_corners
 from shellform.material.energy import StVenant, check_law
 from shellform.material.sheet import Sheet
 
@@ -36,15 +34,22 @@ from .dolfinx_compat import (
     create_matrix,
     vector_space,
 )
-from .element import check_warp, energy_terms, has_six_lengths, terms_of
+from .element import energy_terms, has_six_lengths, terms_of
 from .loads import Loads
 from .partition import Partition
 from .shape_functions import locate
+from .shell_arguments import (
+    check_arguments,
+    check_coupling,
+    check_friction,
+    check_relaxed,
+    warn_of_corners,
+)
 from .sliders import Sliders, friction_terms
 from .supports import Supports
 from .weak_form import WeakForm
 from .wrinkle_field import Wrinkling
-from .wrinkles import KINDS, Wrinkles
+from .wrinkles import Wrinkles
 
 if TYPE_CHECKING:
     from .cell_stress import CellStress
@@ -113,42 +118,19 @@ class Shell:
         thick: bool = False,
         wrinkles: str = "resolved",
     ):
-        for name, value, choices in (
-            ("membrane", membrane, ("arcs", "chords")),
-            ("curvature", curvature, ("turning", "plain")),
-            ("wrinkles", wrinkles, KINDS),
-        ):
-            if value not in choices:
-                raise ValueError(f"{name} is one of {', '.join(choices)}, not '{value}'")
-        for given, kind, name in (
-            (surface, Surface, "a meshes.Surface"),
-            (fabric, Sheet, "a Fabric"),
-        ):
-            if not isinstance(given, kind):
-                raise TypeError(f"Shell takes {name} here, not {type(given).__name__}: {given!r}")
-        if fabric.directional:
-            check_warp(surface, fabric)
+        check_arguments(surface, fabric, membrane, curvature, wrinkles)
         if surface.cells.shape[1] == 4 and not comm.rank:
-            warn_of_corners(surface)
+            warn_of_corners(surface, stacklevel=3)
         self.surface, self.fabric = surface, fabric
         law = fabric.law if law is None else law
         self.law = StVenant() if law is None else law
         check_law(self.law, fabric)
-        if self.law.couples and (thick or np.any(fabric.coupling)):
-            raise ValueError(
-                f"{self.law!r} integrates its own energy through the thickness: it goes without "
-                "`thick` and with a fabric whose bending is not coupled with stretching"
-            )
+        check_coupling(self.law, fabric, thick)
         if wrinkles == "relaxed":
             check_relaxed(surface, fabric, self.law, membrane, thick)
         self.relaxed = wrinkles == "relaxed"
         self.options: dict = {"membrane": membrane, "curvature": curvature, "thick": thick}
-        if fabric.friction is not None and (surface.degree == 2 or not self.in_default_form):
-            raise ValueError(
-                "friction inside the cloth goes with triangles and 4-node quads in their default "
-                "form, membrane='arcs', curvature='turning' and without `thick`; or take a fabric "
-                "without friction"
-            )
+        check_friction(surface, fabric, self.in_default_form)
         self.partition = partition = Partition(surface, comm)
         self.comm, self.mesh, self.space = comm, partition.mesh, partition.space
         self.w, self.reference = Function(self.space, name="w"), Function(self.space)
@@ -395,39 +377,11 @@ class Shell:
             self._pressure.value = pressure
 
 
-def check_relaxed(
-    surface: Surface, fabric: Sheet, law: StVenant, membrane: str, thick: bool
-) -> None:
-    """ValueError if a sheet cannot be relaxed, naming what stands in the way."""
-    if surface.cells.shape[1] != 4:
-        raise ValueError(
-            f"wrinkles='relaxed' is for 4-node quads, {surface.source} has {surface.kind}s of "
-            f"{surface.cells.shape[1]} nodes: mesh it with quads, or take wrinkles='resolved'"
+def require_shell(given: object, taker: str) -> Shell:
+    """The shell given to what steps or solves it; TypeError for anything else."""
+    if not isinstance(given, Shell):
+        raise TypeError(
+            f"{taker} takes a Shell, as Shell(meshes.rectangle(1.0, 1.0, (8, 8)), fabric), not "
+            f"{type(given).__name__}: {given!r}"
         )
-    if membrane != "arcs" or thick or np.any(fabric.coupling):
-        raise ValueError(
-            "wrinkles='relaxed' goes with membrane='arcs', without `thick` and with a fabric whose "
-            "bending is not coupled with stretching: take wrinkles='resolved'"
-        )
-    if not law.is_quadratic("membrane"):
-        raise ValueError(
-            f"wrinkles='relaxed' knows the quadratic membrane energy only, not that of {law!r}: "
-            "take wrinkles='resolved'"
-        )
-
-
-def warn_of_corners(surface: Surface) -> None:
-    """Warn of four-node quads that lean too much to bend as they should.
-
-    Rolled up into a circle, strips of quads with corners of 120, 150 and 170 degrees have their tip
-    wrong by 0.03, 2 and 50 % of the length (`demos/studies/extremes/sheets.py`).
-    """
-    widest = widest_corners(surface.points, surface.cells)
-    worst, count = int(widest.argmax()), int((widest > 150.0).sum())
-    if count:
-        warnings.warn(
-            f"cell {worst} of {surface.source} has a corner of {widest[worst]:.0f} degrees (more "
-            f"than 150 in {count} cells): quads that lean so much are too stiff in bending, cut "
-            "them into triangles or mesh this place again",
-            stacklevel=3,
-        )
+    return given

@@ -20,6 +20,7 @@ import inspect
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from reprlib import repr as brief
 
 from .fabric import Fabric, FabricError, Ply
 from .laws import law_from
@@ -63,7 +64,7 @@ def card_keys(maker: Callable) -> dict[str, inspect.Parameter]:
 def _make(where: str, table, maker, **more):
     keys = card_keys(maker)
     if not isinstance(table, dict):
-        raise FabricError(f"{where}: this must be a table of keys, not {table!r}.")
+        raise FabricError(f"{where}: this must be a table of keys, not {brief(table)}.")
     for key in table:
         if key not in keys:
             gf = "gf" in key.split("_")
@@ -74,7 +75,7 @@ def _make(where: str, table, maker, **more):
             raise FabricError(f'{where}: key "{key}" is missing.')
     try:
         return maker(**{keys[key].name: value for key, value in table.items()}, **more)
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, OverflowError) as error:
         raise FabricError(f"{where}: {error}") from error
 
 
@@ -93,17 +94,17 @@ def fabric_from_card(card: dict, where: str = "fabric card", folder: Path = Path
         return storing(fabric_from_card(rest, where, folder), card["law"], f"{where} [law]")
     if "provenance" in card:
         return _with_provenance(dict(card), where, folder)
-    if "measured" in card and len(card.keys() - {"name"}) == 1:
-        fabric = _measured(card["measured"], name, where, folder)
-        return fabric.with_provenance(Provenance("numbers of the card"))
-    kinds = [key for key in card if key != "name"]
+    kinds, known = [key for key in card if key != "name"], [*_MAKERS, "measured"]
     for kind in kinds:
-        if kind not in _MAKERS:
-            mend = nearest(kind, [*_MAKERS, "measured", "law", "provenance"])
+        if kind not in known:
+            mend = nearest(kind, [*known, "law", "provenance"])
             raise FabricError(f'{where}: unknown key "{kind}"; {mend}')
     if len(kinds) != 1:
-        raise FabricError(f"{where}: needs exactly one table of {', '.join(_MAKERS)}; has {kinds}.")
+        raise FabricError(f"{where}: needs exactly one table of {', '.join(known)}; has {kinds}.")
     kind, table = kinds[0], card[kinds[0]]
+    if kind == "measured":
+        fabric = _measured(table, name, where, folder)
+        return fabric.with_provenance(Provenance("numbers of the card"))
     if kind != "ply":
         return _make(f"{where} [{kind}]", table, _MAKERS[kind], name=name)
     if not isinstance(table, list):
@@ -111,7 +112,7 @@ def fabric_from_card(card: dict, where: str = "fabric card", folder: Path = Path
     plies = [_make(f"{where} ply {i}", ply, _ply) for i, ply in enumerate(table, start=1)]
     try:
         return Fabric.laminate(plies, name=name)
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, OverflowError) as error:
         raise FabricError(f"{where}: {error}") from error
 
 
@@ -128,7 +129,8 @@ def _with_provenance(card, where, folder):
 
 def _measured(table, name, where, folder):
     if not isinstance(table, dict):
-        raise FabricError(f"{where} [measured]: this must be a table of keys, not {table!r}.")
+        shown = brief(table)
+        raise FabricError(f"{where} [measured]: this must be a table of keys, not {shown}.")
     # only here: it brings scipy, which other cards do not need
     from .measurements import measured_fabric
 
@@ -167,6 +169,8 @@ def read_fabric(path: str | Path) -> Fabric:
     >>> fabric.thickness > 0
     True
     """
+    if not Path(path).is_file():
+        raise FileNotFoundError(f"{path}: there is no such file; a card is a TOML file of a fabric")
     data = Path(path).read_bytes()
     try:
         # some editors put a mark of the byte order in front

@@ -74,6 +74,21 @@ class ClothFriction:
         """All elements (s, 3), strain by strain."""
         return np.array([one for some in self.elements() for one in some]).reshape(-1, 3)
 
+    def stresses(self, strains: np.ndarray, slips: np.ndarray) -> np.ndarray:
+        """Stresses (m, s) that sliders bear at strains (m, 6), having slipped by slips (m, s)."""
+        (k, m, g), e = self.table().T, np.repeat(strains, self.counts(), axis=1)
+        most = m + g * np.abs(e)
+        return np.clip(k * (e - slips), -most, most)
+
+    def slips_that_bear(self, strains: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Slips (m, s) with which sliders at strains (m, 6) bear stresses (m, s).
+
+        What is beyond the yield stress is left out.
+        """
+        (k, m, g), e = self.table().T, np.repeat(strains, self.counts(), axis=1)
+        most = m + g * np.abs(e)
+        return e - np.clip(stresses, -most, most) / k
+
 
 def _element(where: str, given: Iterable[float]) -> tuple[float, float, float]:
     numbers = tuple(float(number) for number in given)

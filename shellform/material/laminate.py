@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from reprlib import repr as brief
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -44,8 +45,10 @@ def positive(unit: str, **values: float) -> None:
             good = np.ndim(value) == 0 and np.isfinite(value) and value > 0.0
         except TypeError:
             good = False
-        if not good:
-            shown = f"{value:g}" if isinstance(value, int | float) else repr(value)
+        if not good or isinstance(value, bool):
+            # 1000-digit integers are no floats
+            whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 1e300
+            shown = f"{value:g}" if whole or isinstance(value, float) else brief(value)
             raise FabricError(f"{name} = {shown} {unit} is not a positive finite number.")
         if not RANGE[0] <= value <= RANGE[1]:
             raise FabricError(
@@ -58,8 +61,8 @@ def symmetric(name: str, value: ArrayLike, size: int, unit: str) -> np.ndarray:
     """Read-only copy of a finite symmetric matrix (size, size); FabricError when it is not one."""
     try:
         matrix = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise FabricError(f"{name} = {value!r} is not a matrix of numbers.") from None
+    except (TypeError, ValueError, OverflowError):
+        raise FabricError(f"{name} = {brief(value)} is not a matrix of numbers.") from None
     if matrix.shape != (size, size):
         raise FabricError(f"{name} has shape {matrix.shape}, not ({size}, {size}).")
     # beyond 1e30 products overflow, and no cloth is stiffer than 1e12

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import inspect
 from importlib import import_module
+from reprlib import repr as brief
 from typing import TYPE_CHECKING, Any
 
 from .laminate import FabricError
@@ -48,7 +49,7 @@ def law_from(given: str | dict[str, Any], where: str = "law") -> StVenant:
     if not isinstance(table, dict) or not isinstance(table.get("kind"), str):
         raise FabricError(
             f'{where}: a law is a name, or a table with kind = "...", one of {", ".join(LAWS)}; '
-            f"not {given!r}"
+            f"not {brief(given)}"
         )
     table = dict(table)
     kind = table.pop("kind")

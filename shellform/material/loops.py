@@ -90,6 +90,13 @@ def check_loop(x: np.ndarray, y: np.ndarray, back: np.ndarray, test: Test, name:
                 f"{name}: the loop is not closed {there}, where loading has {y[end]:g} and "
                 f"unloading {back[end]:g}: the branches meet there."
             )
+    falls = np.flatnonzero(np.diff(back) < 0)
+    if len(falls):
+        k = falls[0] + 1
+        raise FabricError(
+            f"{name}: the slope of the unloading is negative at point {k + 1}, where the load goes "
+            f"from {back[k - 1]:g} to {back[k]:g}: smooth it."
+        )
     above = np.flatnonzero(back > y + 1e-9 * y[-1])
     if len(above):
         k = above[0]

@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from . import units
+from .alternatives import one_of
 from .curve import Curve
 from .fabric import Fabric
 from .friction import ClothFriction, Elements
@@ -39,6 +40,7 @@ from .loops import (
     shear_loop,
     tension_loop,
 )
+from .table_file import columns
 from .units import read_quantities
 
 YARNS = ("warp", "weft")
@@ -68,6 +70,10 @@ QUANTITIES = (
         "biaxial_load_weft": units.LOAD, "B_twist": units.BENDING, "poisson_ratio": units.RATIO,
     }
 )  # fmt: skip
+LISTS = {
+    *_both(stretch=0, load=0, unload=0, curvature=0, moment=0, unbend=0, biaxial_load=0),
+    "angle", "shear_load", "shear_unload", "biaxial_stretch",
+}  # fmt: skip
 
 
 def measured_fabric(
@@ -99,25 +105,30 @@ def measured_fabric(
     """
     table = dict(table)
     if "file" in table:
-        table = _columns(Path(folder) / str(table.pop("file")), where) | table
-    q = read_quantities(table, QUANTITIES, where)
+        table = columns(Path(folder) / str(table.pop("file")), where) | table
+    q = read_quantities(table, QUANTITIES, where, LISTS)
     for needed in ("weight", "thickness"):
         if needed not in q:
             choices = (units.spelt(needed, unit) for unit in QUANTITIES[needed].units)
             raise FabricError(f"{where}: {needed} is missing, give {' or '.join(choices)}.")
+    if "F" in q and not any(f"EMT_{yarn}" in q for yarn in YARNS):
+        raise FabricError(f"{where}: F is the load at EMT, which is missing: leave F out.")
     tension = {yarn: _tension(q, yarn, where) for yarn in YARNS}
     shear, slope, shear_sliders = _shear(q, where)
     bending = {yarn: _bending(q, yarn, where) for yarn in YARNS}
     warp, weft = (tension[yarn] for yarn in YARNS)
     coupling = _coupling(q, warp, weft, where)
-    A = lamina_matrix(warp[1], weft[1], q.get("poisson_ratio", 0.0), slope, unit="N/m")
-    if coupling is not None:
-        A = np.diag(np.array([warp[1], weft[1], slope]))
-        A[0, 1] = A[1, 0] = coupling.at_rest
     stiffness = [bending[yarn][1] for yarn in YARNS]
     twist = [q["B_twist"]] if "B_twist" in q else []
-    D = bending_matrix((*stiffness, *twist), A[0, 1] / np.sqrt(A[0, 0] * A[1, 1]))
-    fabric = Fabric.from_stiffness(A, D, q["weight"], q["thickness"], name=name)
+    try:
+        A = lamina_matrix(warp[1], weft[1], q.get("poisson_ratio", 0.0), slope, unit="N/m")
+        if coupling is not None:
+            A = np.diag(np.array([warp[1], weft[1], slope]))
+            A[0, 1] = A[1, 0] = coupling.at_rest
+        D = bending_matrix((*stiffness, *twist), A[0, 1] / np.sqrt(A[0, 0] * A[1, 1]))
+        fabric = Fabric.from_stiffness(A, D, q["weight"], q["thickness"], name=name)
+    except FabricError as error:
+        raise FabricError(f"{where}: {error}") from None
     friction = ClothFriction(warp[2], weft[2], shear_sliders, *(bending[yarn][2] for yarn in YARNS))
     if sum(friction.counts()):
         fabric = fabric.with_friction(friction)
@@ -136,29 +147,14 @@ def measured_fabric(
 Part = tuple[Curve | None, float, Elements]  # a curve, its slope at rest, sliders
 
 
-def _one_of(q, ways, what, where):
-    """Which of several ways is given; FabricError if none or more than one is."""
-    found = [names for names in ways if names[0] in q]
-    if len(found) != 1:
-        told = "; ".join(", ".join(names) for names in ways)
-        have = " and ".join(names[0] for names in found) or "none"
-        raise FabricError(
-            f"{where}: {what} needs one of: {told} (each with its unit); there is {have}."
-        )
-    for name in found[0][1:]:
-        if name not in q and not name.startswith("["):
-            raise FabricError(f"{where}: {name} is missing, {found[0][0]} needs it.")
-    return found[0][0]
-
-
 def _tension(q: dict, yarn: str, where: str) -> Part:
     ways = [
         (f"stretch_{yarn}", f"load_{yarn}", f"[unload_{yarn}]"),
-        (f"EMT_{yarn}", f"[LT_{yarn}]", f"[RT_{yarn}]"),
+        (f"EMT_{yarn}", f"[LT_{yarn}]", f"[WT_{yarn}]", f"[RT_{yarn}]"),
         (f"E5_{yarn}", f"E20_{yarn}", f"E100_{yarn}"),
         (f"tensile_{yarn}",),
     ]
-    way = _one_of(q, ways, f"tension along the {yarn}", where)
+    way = one_of(q, ways, f"tension along the {yarn}", where)
     name = f"{where}: tension along the {yarn}"
     most = q.get("F", 500 * units.GF * 100)
     if way == f"tensile_{yarn}":
@@ -180,6 +176,11 @@ def _tension(q: dict, yarn: str, where: str) -> Part:
     if LT is None and WT is not None:
         LT = 2 * WT / (EMT * most)
     if LT is None:
+        if f"RT_{yarn}" in q:
+            raise FabricError(
+                f"{name}: RT goes with LT or WT, which are missing: a straight line gives back all "
+                "of its work."
+            )
         return None, most / EMT, ()
     RT = q.get(f"RT_{yarn}", 1.0)
     x, y = decrimping(EMT, LT, most, RT, name)
@@ -221,7 +222,7 @@ def _shear(q: dict, where: str) -> Part:
         ("G", "[2HG]", "[2HG5]"),
         ("EB5",),
     ]
-    way = _one_of(q, ways, "shear", where)
+    way = one_of(q, ways, "shear", where)
     name = f"{where}: shear"
     if way == "angle":
         return loop(q["angle"], q["shear_load"], q.get("shear_unload"), SHEAR, name)
@@ -246,30 +247,22 @@ def _bending(q: dict, yarn: str, where: str) -> Part:
             q = q | {B: by_length}
     else:
         ways.append((length,))
-    way = _one_of(q, ways, f"bending along the {yarn}", where)
+    way = one_of(q, ways, f"bending along the {yarn}", where)
     if way == B:
         return bending_loop(q[B], q.get(f"2HB_{yarn}"))
-    return loop(q[way], q[f"moment_{yarn}"], q.get(f"unbend_{yarn}"), BENDING, name)
+    part = loop(q[way], q[f"moment_{yarn}"], q.get(f"unbend_{yarn}"), BENDING, name)
+    if length in q:
+        _check_by_length(by_length, q[way], q[f"moment_{yarn}"], name)
+    return part
 
 
-def _columns(path: Path, where: str) -> dict[str, list[float]]:
-    """Columns of a table file: the names of keys in the first line, numbers below, gaps at ends."""
-    try:
-        lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip()]
-    except (OSError, UnicodeDecodeError) as error:
-        raise FabricError(f"{where}: file = {str(path)!r} cannot be read: {error}.") from None
-    names = [name.strip() for name in lines[0].split(",")] if lines else []
-    columns: dict[str, list[float]] = {name: [] for name in names}
-    for number, line in enumerate(lines[1:], start=2):
-        cells = [cell.strip() for cell in line.split(",")]
-        if len(cells) != len(names):
-            raise FabricError(
-                f"{path} line {number}: {len(cells)} cells, the first line has {len(names)}."
-            )
-        for name, cell in zip(names, cells, strict=True):
-            if cell:
-                try:
-                    columns[name].append(float(cell))
-                except ValueError:
-                    raise FabricError(f"{path} line {number}: {cell!r} is no number.") from None
-    return columns
+def _check_by_length(by_length: float, curvature: np.ndarray, moment: np.ndarray, name: str):
+    """FabricError if c^3 w g of a bending length is no stiffness of a measured curve."""
+    secants = moment[1:] / curvature[1:]
+    slopes = np.diff(moment) / np.diff(curvature)
+    low, high = min(secants.min(), slopes.min()), max(secants.max(), slopes.max())
+    if not low * (1 - AGREE) <= by_length <= high * (1 + AGREE):
+        raise FabricError(
+            f"{name}: c^3 w g = {by_length:.3g} N m of the bending length lies outside the "
+            f"stiffnesses of the curve, {low:.3g} to {high:.3g} N m: check both, or leave one out."
+        )

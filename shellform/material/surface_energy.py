@@ -6,8 +6,8 @@
 with the first and the second fundamental form of the surface (Terzopoulos, Platt, Barr and
 Fleischer, Computer Graphics 21(4), 1987; Carignan, Yang, Magnenat Thalmann and Thalmann, ibid.
 26(2), 1992). As G - G0 = 2 E and, with directors normal to the surface, B - B0 = -K, this is the
-quadratic energy without what couples warp and weft: A = 4 diag(eta_11, eta_22, eta_12/2), D =
-diag(xi_11, xi_22, xi_12/2) on (11, 22, 2 12). Nothing contracts across a pull.
+quadratic energy without what couples warp and weft: A = 8 diag(eta_11, eta_22, eta_12/2), D =
+2 diag(xi_11, xi_22, xi_12/2) on (11, 22, 2 12). Nothing contracts across a pull.
 """
 
 from dataclasses import dataclass

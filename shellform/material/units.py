@@ -6,8 +6,9 @@ bending in gf cm^2/cm, FAST in uN m, and a bending stiffness of 0.12 N m is that
 gf is the weight of a gram at 9.80665 m/s^2.
 """
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
+from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
@@ -57,9 +58,12 @@ def spelt(name: str, unit: str) -> str:
 
 
 def read_quantities(
-    table: Mapping[str, Any], quantities: Mapping[str, Dimension], where: str
+    table: Mapping[str, Any],
+    quantities: Mapping[str, Dimension],
+    where: str,
+    lists: Container[str] = (),
 ) -> dict[str, Any]:
-    """Values in SI by name of the quantity, numbers or arrays, from keys with units.
+    """Values in SI by name of the quantity, from keys with units: arrays of `lists`, else numbers.
 
     Raises
     ------
@@ -78,22 +82,24 @@ def read_quantities(
                 f'{where}: "{said[name]}" and "{key}" are one quantity in two units: leave one out.'
             )
         said[name] = key
-        values[name] = _in_si(given, quantities[name], name, unit, f"{where}: {key}")
+        place = f"{where}: {key}"
+        values[name] = _in_si(given, quantities[name], name, unit, place, name in lists)
     return values
 
 
-def _in_si(given, dimension, name, unit, where):
+def _in_si(given, dimension, name, unit, where, is_list):
     try:
         numbers = np.array(given, float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = np.array(np.nan)
-    if isinstance(given, bool | str) or numbers.ndim > 1 or not np.isfinite(numbers).all():
-        raise FabricError(f"{where} = {given!r}: a finite number, or a list of them.")
+    if isinstance(given, bool | str) or numbers.ndim != is_list or not np.isfinite(numbers).all():
+        what = "a list of finite numbers" if is_list else "a finite number"
+        raise FabricError(f"{where} = {brief(given)} is not {what}.")
     values = numbers * dimension.units[unit]
     largest = float(np.abs(values).max(initial=0.0)) if numbers.ndim else float(values)
-    if numbers.ndim == 0 or largest > 0:
+    if not is_list or largest > 0:
         check_range(largest, dimension, name, unit, where)
-    return float(values) if numbers.ndim == 0 else values
+    return values if is_list else float(values)
 
 
 def check_range(value: float, dimension: Dimension, name: str, unit: str, where: str) -> None:
@@ -121,4 +127,8 @@ def _mend(key, keys, quantities):
             longer = (other for other in quantities if len(other) > len(name))
             if not any(key.startswith(f"{other}_") for other in longer):
                 return f"write {' or '.join(choices)}."
-    return nearest(key, keys)
+    close = nearest(key, keys)
+    if close.startswith("did"):
+        return close
+    names = dict.fromkeys(name.removesuffix("_warp").removesuffix("_weft") for name in quantities)
+    return f"there are {', '.join(names)}, of a yarn with _warp or _weft, each with its unit."

@@ -86,6 +86,11 @@ class Wearer(Body):
         ellipsoids: Sequence[tuple[str, str, ArrayLike, ArrayLike]],
         from_rest: bool = True,
     ):
+        if not isinstance(recording, Recording):
+            raise TypeError(
+                f"a Wearer moves as a Recording, as of read_motion(file), not "
+                f"{type(recording).__name__}: {recording!r}"
+            )
         self.recording = recording
         self.names = tuple(name for name, *_ in ellipsoids)
         self.carriers = tuple(segment for _, segment, *_ in ellipsoids)
@@ -142,6 +147,12 @@ class Wearer(Body):
         _evaluate(t, *self._spline, self._values, self._rates)
         _place(self._values, self._rates, *self._segments)
         return self._segments
+
+    def segment_pose(self, t: float, names: Sequence[str]) -> Pose:
+        """Pose of segments of the recording at time t [s], by their names; a copy."""
+        segments = tuple(self.recording.points)
+        which = [segments.index(name) for name in names]
+        return Pose(*(array[which] for array in self._segments_at(t)))
 
     def new_joints(self, t: float = 0.0) -> Joints:
         """Arrays for `joint_state`, filled at time t [s]."""

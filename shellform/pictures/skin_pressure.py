@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,10 +21,19 @@ if TYPE_CHECKING:
     from shellform.results.skin_pressure import Map
 
 
+# degrees by which the eye goes around from the front, to the wearer's left
+SIDES = {"front": 0.0, "left": 90.0, "back": 180.0, "right": -90.0}
+
+
 def pressure_figure(
-    path: str | Path, wearer: Body | Wearer, map: Map, time: float, title: str = ""
+    path: str | Path,
+    wearer: Body | Wearer,
+    map: Map,
+    time: float,
+    title: str = "",
+    sides: Sequence[str] = ("front", "back"),
 ) -> None:
-    """The body from front and back, coloured by the mean pressure of the clothing.
+    """The body from some of SIDES, coloured by the mean pressure of the clothing.
 
     Skin that nothing touched is grey. What lies inside another ellipsoid at that time is not drawn.
     A belt presses a thousand times harder than a leg of the trousers: the scale is logarithmic. It
@@ -71,9 +81,10 @@ def pressure_figure(
     colours = ScalarMappable(LogNorm(1e-3 * top, top, clip=True), "YlOrRd")
     faces = colours.to_rgba(np.maximum(pressures, 1e-3 * top))
     faces[pressures <= 0] = (0.84, 0.85, 0.86, 1.0)
-    figure, panels = new_figure(1, (9, 8), title, columns=2)
+    figure, panels = new_figure(1, (1 + 4 * len(sides), 8), title, columns=len(sides))
     front = np.degrees(np.arctan2(*heading_at(wearer, time)[1::-1]))
-    for axes, label, turn in zip(panels, ("front", "back"), (0.0, 180.0), strict=True):
+    for axes, label in zip(np.atleast_1d(panels), sides, strict=True):
+        turn = SIDES[label]
         view = view_axes(front + turn, 5.0)
         near = normal @ view[2] > 0
         order = np.flatnonzero(near)[np.argsort(facets[near].mean(axis=1) @ view[2])]

@@ -127,14 +127,11 @@ def check_numbers(scene: Scene) -> None:
 
 def check_dressing(dressing: str, fabric: Sheet) -> None:
     """ValueError where masses and springs are to put on cloth that they do not know."""
-    if dressing != "particles":
-        return
-    for what in ("law", "friction"):
-        if getattr(fabric, what) is not None:
-            raise ValueError(
-                f"steps.dressing = 'particles': masses and springs do not know the {what} of "
-                f"'{fabric.name}': take 'shell'"
-            )
+    if dressing == "particles" and fabric.law is not None:
+        raise ValueError(
+            "steps.dressing = 'particles': masses and springs do not know the law of "
+            f"'{fabric.name}': take 'shell'"
+        )
 
 
 def check_accuracy(asked: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from meshes import Surface
 from shellform.fem.director import along_axes, tangent_frames
-from shellform.fem.shell import Shell
+from shellform.fem.shell import Shell, require_shell
 
 
 def free_motions(shell: Shell) -> list[tuple[int, np.ndarray]]:
@@ -42,7 +42,8 @@ def free_motions(shell: Shell) -> list[tuple[int, np.ndarray]]:
 
 
 def refuse_free_motions(shell: Shell) -> None:
-    """ValueError if the supports leave a rigid motion free."""
+    """ValueError if the supports leave a rigid motion free, TypeError for what is no shell."""
+    require_shell(shell, "this solver")
     for node, motion in free_motions(shell):
         raise ValueError(
             f"the supports leave a rigid motion free: the piece of {shell.surface.source} with "

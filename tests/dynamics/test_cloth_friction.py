@@ -9,7 +9,6 @@ from shellform import Fabric, Shell
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.implicit import ImplicitNewmark
-from shellform.dynamics.mass_spring import Particles
 from shellform.dynamics.state import State
 from shellform.fem.lumped_mass import ROTARY_SCALE
 from shellform.material.friction import ClothFriction
@@ -130,9 +129,3 @@ def test_cut_back_steps_bring_slips_back():
     state.restore()
     assert np.array_equal(stepper.shell.cell_stress.slips, slips)
     assert stepper.shell.friction_loss() == pytest.approx(loss, rel=1e-12)
-
-
-def test_springs_say_that_they_have_none(comm):
-    if comm.size == 1:
-        with pytest.raises(ValueError, match="springs have no friction inside the cloth, which"):
-            Particles(flag())

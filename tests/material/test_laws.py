@@ -326,6 +326,7 @@ def test_dressing_by_springs_is_refused():
         ValueError, match="'particles': masses and springs do not know the law of 's"
     ):
         check_dressing("particles", cloth)
+    check_dressing("particles", cloth.with_law(None))  # friction is known to springs
 
 
 def test_solids_refuse_what_they_do_themselves():

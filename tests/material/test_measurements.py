@@ -220,7 +220,43 @@ BAD = {
         changed("G_", "2HG", angle_degrees=[1, 2], shear_load_gf_per_cm=[1, 2]),
         r"shear: begins at \(0.0174.*, 0.98.*\), not at \(0, 0\): take the load at rest off",
     ),
-    "text": (changed("weight", weight_mg_per_cm2="heavy"), r"weight_mg_per_cm2 = 'heavy': a fin"),
+    "text": (
+        changed("weight", weight_mg_per_cm2="heavy"),
+        r"weight_mg_per_cm2 = 'heavy' is not a finite number",
+    ),
+    "a list": (changed(LT_warp=[0.6]), r"LT_warp = \[0.6\] is not a finite number\."),
+    "no list": (
+        changed("G_", "2HG", angle_degrees=5, shear_load_gf_per_cm=5.6),
+        r"angle_degrees = 5 is not a list of finite numbers\.",
+    ),
+    "falling back": (
+        changed("G_", "2HG", **LOOP | {"shear_unload_gf_per_cm": [0.5, 0.1, 1.0, 3.6, 9.0]}),
+        r"shear: the slope of the unloading is negative at point 2, where the load goes from 0.49",
+    ),
+    "two loops": (
+        changed("G_", "2HG5", **LOOP),
+        r"shear is given by angle, to which 2HG does not belong: leave it out\.",
+    ),
+    "crimp of a line": (
+        changed("EMT_warp", tensile_warp_N_per_m=8e3),
+        r"tension along the warp is given by tensile_warp, to which LT_warp does not belong",
+    ),
+    "resilience of a line": (
+        changed("LT_warp", RT_warp_percent=60),
+        r"tension along the warp: RT goes with LT or WT, which are missing",
+    ),
+    "load of nothing": (
+        changed(*(f"{n}_{y}" for n in ("EMT", "LT") for y in ("warp", "weft")),
+                tensile_warp_N_per_m=8e3, tensile_weft_N_per_m=5e3, F_N_per_m=490),
+        r"F is the load at EMT, which is missing: leave F out\.",
+    ),
+    "length beside a curve": (
+        changed("B_warp", "2HB_warp", bending_length_warp_mm=30, curvature_warp_per_cm=[0, 1, 2.5],
+                moment_warp_gf_cm_per_cm=[0, 0.1, 0.2]),
+        r"c\^3 w g = 6.98e-05 N m of the bending length lies outside the stiffnesses of the curve, "
+        r"6.54e-06 to 9.81e-06 N m: check both",
+    ),
+    "a stranger": (changed(gf=1.0), r'unknown key "gf"; there are stretch, load, .* with its unit'),
 }  # fmt: skip
 
 
