@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from contact.solver.friction import Friction
     from meshes import MeshError
 
+    from .bench.run import fabric_tests
     from .contact_coupling.contact import Contact
     from .dynamics.explicit import Newmark
     from .dynamics.implicit import ImplicitNewmark
@@ -52,6 +53,7 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     "Fabric",
     "Ply",
     "read_fabric",
+    "fabric_tests",
     # sheets, at rest and in motion
     "Shell",
     "Statics",
@@ -113,6 +115,7 @@ _HOMES = {
     "Wearer": "shellform.motion.wearer",
     "buckling_loads": "shellform.statics.buckling",
     "check": "shellform.simulation.check",
+    "fabric_tests": "shellform.bench.run",
     "follow": "shellform.statics.path_following",
     "read_fabric": "shellform.material.card",
     "read_motion": "shellform.motion.capture.read_motion",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The command: `shellform new | check | trade | run | resume | compare | report | export`.
+"""The command `shellform`: new, check, trade, run, resume, compare, report, export, fabric.
 
 Also as `python -m shellform`.
 
@@ -11,6 +11,7 @@ Also as `python -m shellform`.
     shellform compare out/a out/b   says whether two runs differ in their torques
     shellform export out/a --to opensim     writes its forces and torques for OpenSim
     shellform report out/a out/b    writes a page with all of it, which opens without a network
+    shellform fabric card.toml      pulls, shears, bends, hangs, loops and drapes a fabric
 
 Under mpirun every rank calls it: `mpirun -n 2 python -m shellform run scene.toml`.
 """
@@ -24,11 +25,13 @@ from mpi4py import MPI
 
 from . import console
 
+TESTS = ("pull", "shear", "bend", "hang", "loop", "drape")
 TEMPLATE = """\
 # A scene of shellform. Everything left out has the value shown; paths are relative to this file.
 # SI units; x is forward, y to the wearer's left, z up, the floor at 0.
 title = "trousers over an obstacle"
-fabric = "compliant"        # or "stiff", a card.toml, or a table as in a card
+fabric = "compliant"        # or stiff, suiting, field_cloth, denim, canvas, aramid, knit; or a
+                            # card.toml, or a table as in a card
 belt_N = 20                 # tension of the belt; 0 for none
 
 [motion]
@@ -121,6 +124,18 @@ def parser() -> argparse.ArgumentParser:
     )
     compare.add_argument("one", type=Path, help="folder of a run")
     compare.add_argument("other", type=Path, help="folder of another, with other cloth or garment")
+    fabric = kinds.add_parser(
+        "fabric", allow_abbrev=False, help="test a fabric as laboratories do: KES, D1388, Cusick"
+    )
+    fabric.add_argument("card", help="a shipped card or the file of one")
+    fabric.add_argument("--out", type=Path, help="folder for results (default: out/fabric/NAME)")
+    fabric.add_argument("--only", nargs="+", choices=TESTS, default=TESTS, help="tests to run")
+    fabric.add_argument(
+        "--starts", type=console.positive(int), default=1, help="drapes whose mean is reported"
+    )
+    fabric.add_argument(
+        "--no-bands", action="store_true", help="leave out what estimated inputs spread over"
+    )
     export = kinds.add_parser(
         "export", allow_abbrev=False, help="write a run's forces and torques for OpenSim"
     )
@@ -138,7 +153,7 @@ def parser() -> argparse.ArgumentParser:
     )
     report.add_argument("runs", type=Path, nargs="+", metavar="OUT", help="folder of a run")
     report.add_argument("--out", type=Path, help="file (default: report.html in the first folder)")
-    for kind in (run, resume):
+    for kind in (run, resume, fabric):
         kind.add_argument("--no-pictures", action="store_true", help="leave the pictures out")
     return top
 
@@ -163,6 +178,8 @@ def main(given: Sequence[str] | None = None) -> None:
         console.say(lines)
     elif options.do == "run":
         _run(options)
+    elif options.do == "fabric":
+        _fabric(options)
     elif options.do == "compare":
         from shellform.results.comparison import comparison_lines
         from shellform.simulation.ensemble import compare_runs
@@ -201,6 +218,30 @@ def _run(options: argparse.Namespace) -> None:
     if options.estimate:
         estimate(scene, out)
     _show(out, results, options.no_pictures)
+
+
+def _fabric(options: argparse.Namespace) -> None:
+    """Tests of a fabric, with lines and a picture by rank 0."""
+    from shellform.bench.run import fabric_tests, summary_lines
+    from shellform.material.card import fabric_of
+
+    fabric = fabric_of(options.card)
+    out = options.out or Path("out/fabric") / fabric.name
+    bands = not options.no_bands
+    results = fabric_tests(fabric, options.only, starts=options.starts, bands=bands, out=out)
+    console.say(summary_lines(fabric, results))
+    if MPI.COMM_WORLD.rank:
+        return
+    wrote = [f"{out}/summary.json"]
+    if not options.no_pictures:
+        # only here: it loads matplotlib
+        from shellform.pictures.fabric_tests import fabric_figure
+
+        estimated = results["estimated"]
+        title = f"{fabric.name}, estimated: {', '.join(estimated)}" if estimated else fabric.name
+        fabric_figure(out / "fabric.png", results, title)
+        wrote.append("fabric.png")
+    print(f"wrote {', '.join(wrote)}")
 
 
 def _export(options: argparse.Namespace) -> None:

@@ -261,7 +261,9 @@ class Shell:
 
     def plan(self) -> dict:
         """What is modelled: element, terms, where in the cell they are evaluated, and the loads."""
-        law = {} if type(self.law) is StVenant else {"law": repr(self.law)}
+        more = {} if type(self.law) is StVenant else {"law": repr(self.law)}
+        if self.fabric.provenance is not None:
+            more["fabric"] = f"{self.fabric.name}: {self.fabric.provenance.line()}"
         return {
             "element": f"{self.surface.kind} of degree {self.surface.degree}",
             "terms": terms_of(self.fabric, thick=self.options["thick"]),
@@ -269,7 +271,7 @@ class Shell:
             + (["membrane by six lengths"] if self.cell_membrane else []),
             "wrinkles": "relaxed" if self.relaxed else "resolved",
             "loads": self.loads.kinds(),
-        } | law
+        } | more
 
     def displacements(self) -> np.ndarray:
         """Displacements (n, 3) [m] in the surface's numbering; all ranks call it, all get them."""

@@ -10,7 +10,8 @@
 The keys of a table are the arguments of the constructor of `Fabric` it stands for, each with its
 unit; a list of `[[ply]]` tables, bottom first, makes a laminate. `law`, a name or a table of its
 own, says what the sheet stores where that is not quadratic (laws.py). `[measured]` takes tests of
-the cloth in their own units, with loading and unloading (measurements.py).
+the cloth in their own units, with loading and unloading (measurements.py). `[provenance]` says what
+is measured and what estimated (provenance.py).
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from reprlib import repr as brief
 
 from .fabric import Fabric, FabricError, Ply
 from .laws import law_from
+from .prior import filled
+from .provenance import Provenance, provenance_from
 from .sheet import MATRICES
 from .spelling import nearest, with_unit
 
@@ -89,16 +92,19 @@ def fabric_from_card(card: dict, where: str = "fabric card", folder: Path = Path
     if "law" in card:
         rest = {key: value for key, value in card.items() if key != "law"}
         return storing(fabric_from_card(rest, where, folder), card["law"], f"{where} [law]")
+    if "provenance" in card:
+        return _with_provenance(dict(card), where, folder)
     kinds, known = [key for key in card if key != "name"], [*_MAKERS, "measured"]
     for kind in kinds:
         if kind not in known:
-            mend = nearest(kind, [*known, "law"])
+            mend = nearest(kind, [*known, "law", "provenance"])
             raise FabricError(f'{where}: unknown key "{kind}"; {mend}')
     if len(kinds) != 1:
         raise FabricError(f"{where}: needs exactly one table of {', '.join(known)}; has {kinds}.")
     kind, table = kinds[0], card[kinds[0]]
     if kind == "measured":
-        return _measured(table, name, where, folder)
+        fabric = _measured(table, name, where, folder)
+        return fabric.with_provenance(Provenance("numbers of the card"))
     if kind != "ply":
         return _make(f"{where} [{kind}]", table, _MAKERS[kind], name=name)
     if not isinstance(table, list):
@@ -108,6 +114,17 @@ def fabric_from_card(card: dict, where: str = "fabric card", folder: Path = Path
         return Fabric.laminate(plies, name=name)
     except (ValueError, TypeError, OverflowError) as error:
         raise FabricError(f"{where}: {error}") from error
+
+
+def _with_provenance(card, where, folder):
+    """Fabric of a card with a table `provenance`; missing estimates are those of prior.py."""
+    table = card.pop("provenance")
+    provenance = provenance_from(table, f"{where} [provenance]")
+    for kind in card.keys() & {"kes", "measured"}:
+        if isinstance(card[kind], dict):
+            card[kind] = filled(kind, card[kind], provenance.estimated)
+    fabric = fabric_from_card(card, where, folder).with_provenance(provenance)
+    return fabric if fabric.card is None else fabric.with_card(fabric.card | {"provenance": table})
 
 
 def _measured(table, name, where, folder):

@@ -24,6 +24,7 @@ from .laminate import FabricError, check_definite, positive, symmetric, turn
 if TYPE_CHECKING:
     from .energy import StVenant
     from .friction import ClothFriction
+    from .provenance import Provenance
 
 MATRICES = {  # name: rows, unit
     "membrane": (3, "N/m"),
@@ -55,6 +56,7 @@ class Sheet:
     law : what is stored in place of this energy, see energy.py; None: nothing else
     friction : of yarns on each other, see friction.py; None: none
     card : table that the sheet was made from, where files must tell it again; None: its matrices do
+    provenance : what of it is measured and what estimated, see provenance.py; None: not known
 
     Raises
     ------
@@ -75,6 +77,7 @@ class Sheet:
     law: StVenant | None = None
     friction: ClothFriction | None = None
     card: dict | None = None
+    provenance: Provenance | None = None
 
     def __post_init__(self):
         positive("kg/m^2", areal_mass=self.areal_mass)
@@ -162,6 +165,10 @@ class Sheet:
         """The same sheet, which knows the table that it was made from."""
         return self._with(card=card)
 
+    def with_provenance(self, provenance: Provenance | None) -> Self:
+        """The same sheet, which knows where its numbers come from."""
+        return self._with(provenance=provenance, card=self.card)
+
     def with_friction(self, friction: ClothFriction | None) -> Self:
         """The same sheet with other friction inside."""
         return self._with(friction=friction)
@@ -194,6 +201,8 @@ class Sheet:
         more = [] if self.law is None else [f"  law         {type(self.law).__name__}"]
         if self.friction is not None:
             more.append(f"  friction    {self.friction.summary()}")
+        if self.provenance is not None:
+            more.append(f"  {self.provenance.line()}")
         return "\n".join(
             [
                 f"{self.name}: {self.areal_mass:.4g} kg/m^2, {1e3 * self.thickness:.4g} mm thick"

@@ -158,7 +158,9 @@ def _fabric(fabric):
     keys = card_keys(Fabric.from_stiffness)
     matrices = {key: np.asarray(getattr(fabric, p.name)).tolist() for key, p in keys.items()}
     law = {} if fabric.law is None else {"law": law_table(fabric.law)}
-    return _toml({"name": fabric.name, "stiffness": matrices} | law)
+    known = fabric.provenance
+    provenance = {} if known is None else {"provenance": known.table()}
+    return _toml({"name": fabric.name, "stiffness": matrices} | law | provenance)
 
 
 def _toml(value):

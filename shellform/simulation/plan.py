@@ -7,6 +7,7 @@ and not in the run either:
 element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
+fabric            its name, what of it is estimated and what measured, where the card says so
 wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is reported
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
 
@@ -65,6 +66,8 @@ def plan_of(
         "contact": list(near),
         "out_of_reach": [name for name in wearer.names if name not in near],
     } | law
+    if fabric.provenance is not None:
+        plan["fabric"] = f"{fabric.name}: {fabric.provenance.line()}"
     if contact.friction:
         kinetic = contact.kinetic_friction
         plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]

@@ -43,7 +43,14 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
         "cadence": facts.get("cadence"),
         "segment_lengths": wearer.recording.lengths(),
         "notes": [*wearer.recording.notes, *model.surface.notes],
-    }
+    } | _cloth(scene.cloth)
+
+
+def _cloth(fabric):
+    """What of a fabric is measured and what estimated, where that is known."""
+    if fabric.provenance is None:
+        return {}
+    return {"fabric": f"{fabric.name}: {fabric.provenance.line()}"}
 
 
 def summary_lines(results: dict) -> list[str]:
@@ -62,6 +69,8 @@ def summary_lines(results: dict) -> list[str]:
         lines.append(
             f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
         )
+    if "fabric" in results:
+        lines.append(f"fabric {results['fabric']}")
     return lines + torque_lines(results)
 
 

@@ -296,6 +296,15 @@ class Equilibrium:
         """
         return self.shell.partition.gather(self.in_world(self.reaction[:, :3]))
 
+    def reaction_moments(self) -> np.ndarray:
+        """Moments (n, 3) [N m] of the supports on directors at the last residual, as `reactions`.
+
+        All ranks call it, all get them.
+        """
+        along = np.einsum("nij,nj->ni", self.T[: self.n_owned], self.reaction[:, 3:])
+        moments = np.cross(self._w()[: self.n_owned, 3:], along * self.length)
+        return self.shell.partition.gather(moments)
+
     def in_world(self, vectors: np.ndarray) -> np.ndarray:
         """Vectors (n_owned, 3) along the axes of the nodes, along those of the world."""
         return vectors if self.Q is None else np.einsum("nji,nj->ni", self._Q_owned, vectors)

@@ -187,6 +187,13 @@ class Statics:
         """
         return self.equilibrium.reactions()
 
+    def reaction_moments(self) -> np.ndarray:
+        """Moments (n, 3) [N m] of the supports on held directors, in the surface's numbering.
+
+        All ranks call it, all get them.
+        """
+        return self.equilibrium.reaction_moments()
+
     def destroy(self) -> None:
         """Free PETSc's objects; the shell keeps its state."""
         if self.newton is not None:

@@ -185,7 +185,7 @@ WRONG = {
     "no number": ("belt_N = nan", ("belt = nan", "0 to 500")),
     "title as number": ("title = 5", ("title is a text", "5")),
     "fabric as number": ("fabric = 5", ("fabric", "name of a card", "5")),
-    "unknown fabric": ('fabric = "silk"', ("'silk'", "compliant, stiff", "file")),
+    "unknown fabric": ('fabric = "silk"', ("'silk'", "compliant, denim", "file")),
     "fabric card at fault": (
         "[fabric.isotropic]\nE = 1",
         ("[fabric]", "unknown key", "youngs_modulus_Pa"),

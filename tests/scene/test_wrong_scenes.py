@@ -116,7 +116,7 @@ WRONG = {
     "girth in cm": (of(person=Person(girths={"hip": 102})), ("'hip'", "102", "metres")),
     "no such joint": (of(output=Output(parts={"knee": []})), ("'knee'", "right_knee")),
     "no such ellipsoid": (of(output=Output(parts={"left_knee": ["sock"]})), ("'sock'",)),
-    "no such fabric": (of(fabric="silk"), ("'silk'", "compliant, stiff")),
+    "no such fabric": (of(fabric="silk"), ("'silk'", "compliant, denim")),
     "obstacle too high": (
         of(motion=Motion(obstacle=0.6)),
         ("obstacle of 0.6 m", "0.54 m"),
