@@ -32,6 +32,7 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core import caching, serialize
+from numba.core.options import DefaultOptions
 from numba.core.sigutils import normalize_signature
 from numba.extending import is_jitted
 
@@ -47,13 +48,19 @@ class Unknown(Exception):
     """A global whose content cannot be told: the kernel is compiled anew in each process."""
 
 
-def kernel(function: Callable | None = None, **options: Any) -> Any:
+def kernel(function: Callable | None = None, makes_arrays: bool = True, **options: Any) -> Any:
     """Compile with numba when first called; division as in numpy unless `options` say otherwise.
 
     Use as `@kernel` or with options of `numba.njit`: `@kernel(fastmath={"contract"})`.
+
+    makes_arrays : False for a kernel that makes none, nor copies slices: numba then counts no
+        references to those it gets. Older versions find most counts to be needless by themselves;
+        under 0.68 contact takes up to twice as long with them.
     """
     if function is None:
-        return lambda function: kernel(function, **options)
+        return lambda function: kernel(function, makes_arrays, **options)
+    if not makes_arrays and hasattr(DefaultOptions, "_nrt"):  # numba's own name, 0.56 to 0.68
+        options["_nrt"] = False
     dispatcher = numba.njit(**{"error_model": "numpy"} | options)(function)
     # with NUMBA_DISABLE_JIT a plain function; `_cache` is numba's own name (0.56 to 0.68), and
     # should it go, kernels are compiled in each process

@@ -14,7 +14,7 @@ import numpy as np
 from contact.kernel import kernel
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _foot_and_normal(size, y0, y1, y2):
     half, radius = size[0], size[1]
     c0 = min(max(y0, -half), half)
@@ -29,7 +29,7 @@ def _foot_and_normal(size, y0, y1, y2):
     return large * length - radius, c0 + radius * n0, radius * n1, radius * n2, n0, n1, n2
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _least_distance(size, y0, y1, y2):
     """Distance from the endless cylinder or from the planes at both ends: whichever is more."""
     across = np.sqrt(y1 * y1 + y2 * y2) - size[1]

@@ -28,7 +28,7 @@ CLOSE = 0.1  # of w: steps that get their term of second order
 NEARLY = 3e-6  # of w: the cube of it is below roundoff
 
 
-@kernel
+@kernel(makes_arrays=False)
 def level(x: np.ndarray, radii: np.ndarray) -> float:
     """Left side of Eq. 15: negative inside, zero on the surface.
 
@@ -40,7 +40,7 @@ def level(x: np.ndarray, radii: np.ndarray) -> float:
     return (x[0] / radii[0]) ** 2 + (x[1] / radii[1]) ** 2 + (x[2] / radii[2]) ** 2 - 1.0
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _root(p0, p1, p2, e0, e1, e2):
     """Root w > 0 of S(w) = sum_i (p_i / (w + e_i))^2 = 1, one e_i = 0, all >= 0.
 
@@ -96,7 +96,7 @@ def _root(p0, p1, p2, e0, e1, e2):
     return w
 
 
-@kernel
+@kernel(makes_arrays=False)
 def foot_and_normal(
     y0: float, y1: float, y2: float, r0: float, r1: float, r2: float
 ) -> tuple[float, float, float, float, float, float, float]:
@@ -111,13 +111,13 @@ def foot_and_normal(
     return _foot(y0, y1, y2, r0, r1, r2, shortest, e0, e1, e2)
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _excess(r, shortest):
     """q^2 - 1 of q = r / shortest, exactly zero for the shortest."""
     return (r - shortest) / shortest * (r / shortest + 1.0)
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _foot(y0, y1, y2, r0, r1, r2, shortest, e0, e1, e2):
     """`foot_and_normal` from semi-axes, the shortest of them and their `_excess`."""
     z0, z1, z2 = abs(y0) / r0, abs(y1) / r1, abs(y2) / r2
@@ -162,7 +162,7 @@ def _foot(y0, y1, y2, r0, r1, r2, shortest, e0, e1, e2):
     )
 
 
-@kernel
+@kernel(makes_arrays=False)
 def closest_point(y: np.ndarray, radii: np.ndarray, foot: np.ndarray, normal: np.ndarray) -> float:
     """Closest point of the surface of one ellipsoid to a point.
 
@@ -182,7 +182,7 @@ def closest_point(y: np.ndarray, radii: np.ndarray, foot: np.ndarray, normal: np
     return distance
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _closest_points(points, radii, feet, normals, distances):
     for i in range(len(points)):
         distances[i] = closest_point(points[i], radii, feet[i], normals[i])
@@ -228,12 +228,12 @@ def semi_axes(name: str, radii: ArrayLike) -> np.ndarray:
     return radii
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _foot_and_normal(size, y0, y1, y2):
     return _foot(y0, y1, y2, size[0], size[1], size[2], size[3], size[4], size[5], size[6])
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _least_distance(size, y0, y1, y2):
     """|y / r| - 1 in shortest radii is never more than the distance."""
     return (np.sqrt((y0 / size[0]) ** 2 + (y1 / size[1]) ** 2 + (y2 / size[2]) ** 2) - 1.0) * size[

@@ -89,14 +89,14 @@ def _of_all(kernels: Sequence[Callable], kind: int = 0) -> Callable:
     own = kernels[kind]
     if kind == len(kernels) - 1:
 
-        @kernel
+        @kernel(makes_arrays=False)
         def chosen(which, size, y0, y1, y2):
             return own(size, y0, y1, y2)
 
     else:
         others = _of_all(kernels, kind + 1)
 
-        @kernel
+        @kernel(makes_arrays=False)
         def chosen(which, size, y0, y1, y2):
             if which == kind:
                 return own(size, y0, y1, y2)
@@ -109,7 +109,7 @@ _foot_and_normal = _of_all([kind.foot_and_normal for kind in SHAPES])  # type: i
 _least_distance = _of_all([kind.least_distance for kind in SHAPES])  # type: ignore[attr-defined]
 
 
-@kernel
+@kernel(makes_arrays=False)
 def foot_and_normal(
     segment: Any, y0: float, y1: float, y2: float
 ) -> tuple[float, float, float, float, float, float, float]:
@@ -117,7 +117,7 @@ def foot_and_normal(
     return _foot_and_normal(segment.kind, segment.size, y0, y1, y2)
 
 
-@kernel
+@kernel(makes_arrays=False)
 def least_distance(segment: Any, y0: float, y1: float, y2: float) -> float:
     """No more than the distance [m] of a point outside, in the axes of a segment."""
     return _least_distance(segment.kind, segment.size, y0, y1, y2)

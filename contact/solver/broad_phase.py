@@ -27,7 +27,7 @@ KEPT = 0.99  # of a distance, for turns of up to MOST_TURN a step: 1 - turn^2
 MOST_TURN = 0.1  # radians a step, above which nothing is left out
 
 
-@kernel
+@kernel(makes_arrays=False)
 def surface_motion(segments: np.ndarray, offset: float) -> tuple[float, float]:
     """Bound [m] on the way of any surface point in this step, smallest inner radius [m] of all."""
     most, thinnest, turned = 0.0, np.inf, 0.0
@@ -44,7 +44,7 @@ def surface_motion(segments: np.ndarray, offset: float) -> tuple[float, float]:
     return (most if turned <= MOST_TURN else np.inf), thinnest
 
 
-@kernel
+@kernel(makes_arrays=False)
 def clearance_left(x: np.ndarray, i: int, path: float, motion: float, look: np.ndarray) -> float:
     """What is left [m] of the clearance of node i for its step, the body's motion taken off.
 
@@ -54,7 +54,7 @@ def clearance_left(x: np.ndarray, i: int, path: float, motion: float, look: np.n
     return look[3, i] - np.sqrt(d0 * d0 + d1 * d1 + d2 * d2) - (path - look[4, i]) - motion
 
 
-@kernel
+@kernel(makes_arrays=False)
 def mark_away(
     x: np.ndarray,
     v: np.ndarray,
@@ -89,7 +89,7 @@ def mark_away(
         away[i] = kept if (mass[i] > 0.0) & (mass[i] < np.inf) else -1.0
 
 
-@kernel
+@kernel(makes_arrays=False)
 def measure(
     x: np.ndarray,
     i: int,
@@ -130,7 +130,7 @@ def measure(
     return evaluated
 
 
-@kernel
+@kernel(makes_arrays=False)
 def may_meet(
     x: np.ndarray,
     i: int,

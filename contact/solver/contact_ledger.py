@@ -50,7 +50,7 @@ class Ledger:
         self.seconds += other.seconds
 
 
-@kernel
+@kernel(makes_arrays=False)
 def book_impulse(
     row: np.ndarray,
     centre: np.ndarray,
@@ -73,7 +73,7 @@ def book_impulse(
     row[IMPACT] += impact
 
 
-@kernel
+@kernel(makes_arrays=False)
 def book_loss(
     impulse: np.ndarray, met: np.ndarray, after: np.ndarray, segment: np.ndarray, table: np.ndarray
 ) -> None:

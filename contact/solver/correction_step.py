@@ -20,7 +20,7 @@ from .one_segment import MANY, one_segment_kernel
 from .step_record import ALLOWED, FAR, PENETRATED, SEGMENT_TOUCHED
 
 
-@kernel
+@kernel(makes_arrays=False)
 def begin_step(dt: float, work: Any, segments: np.ndarray) -> None:
     """Settings of a step of dt [s], bounds on the motion of the body; counts are set to zero."""
     work.dt, work.recovery = dt, work.recovery_speed * dt
@@ -29,7 +29,7 @@ def begin_step(dt: float, work: Any, segments: np.ndarray) -> None:
     work.max_depth = work.pinch_depth = 0.0
 
 
-@kernel
+@kernel(makes_arrays=False)
 def end_step(work: Any, look: np.ndarray) -> None:
     """Add the motion of the body to its way; where it has no bound all is measured anew."""
     if work.motion < np.inf:
@@ -40,7 +40,7 @@ def end_step(work: Any, look: np.ndarray) -> None:
     look[4] = 0.0
 
 
-@kernel
+@kernel(makes_arrays=False)
 def forget(away: np.ndarray, sets: np.ndarray) -> None:
     """Nodes that are away touch nothing and lie in nothing."""
     for i in range(len(away)):
@@ -65,7 +65,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
     correct_node = node_kernel(kinetic_coefficient)
     meet_one = one_segment_kernel(kinetic_coefficient)
 
-    @kernel
+    @kernel(makes_arrays=False)
     def correct_any(x, v, old, mass, i, sets, node, work, segments, planes, book, impulse, window):
         """Node i, which several segments may hold; the segment that pushes most, or -1."""
         for c in range(3):
@@ -86,7 +86,7 @@ def correction_kernel(kinetic_coefficient: Callable) -> Any:
                 window[i, c] += impulse[i, c]
         return segment
 
-    @kernel
+    @kernel(makes_arrays=False)
     def correct(
         x, v, old, mass, dt, fixed, sets, look, guards, away, gaps, node, step, segments, planes,
         beds, impulse, book, window, window_book,

@@ -31,7 +31,7 @@ from contact.kernel import kernel
 PARAMETERS = 6  # numbers that a law may have
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _constant(speed, parameters):
     return parameters[1]
 
@@ -130,7 +130,7 @@ def cone_kernel(kinetic_coefficient: Callable) -> Any:
     the numbers of the law.
     """
 
-    @kernel
+    @kernel(makes_arrays=False)
     def transmitted(normal, trial, speed, parameters):
         if trial <= parameters[0] * normal:
             return 1.0

@@ -22,7 +22,7 @@ from contact.kernel import kernel
 from .step_record import GUARDS
 
 
-@kernel
+@kernel(makes_arrays=False)
 def height_over_guard(guards: np.ndarray, i: int, b: int, y0: float, y1: float, y2: float) -> float:
     """Height [m] of y, in the axes of segment b, over the plane that node i keeps; -inf: none.
 
@@ -34,7 +34,7 @@ def height_over_guard(guards: np.ndarray, i: int, b: int, y0: float, y1: float, 
     return guards[i, k, 1] * y0 + guards[i, k, 2] * y1 + guards[i, k, 3] * y2 - guards[i, k, 4]
 
 
-@kernel
+@kernel(makes_arrays=False)
 def keep_guard(
     guards: np.ndarray,
     i: int,

@@ -21,12 +21,12 @@ EJECTION = 10.0
 ACCEPTED = 1e-6  # violation over overlap; between distinct bodies it is 1e-15 or of order one
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _cross(a, b):
     return (
         a[1] * b[2] - a[2] * b[1],
@@ -35,7 +35,7 @@ def _cross(a, b):
     )
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _violation(step, planes, count, i, j, k):
     """Greatest overlap with any plane other than i, j, k."""
     worst = 0.0
@@ -45,7 +45,7 @@ def _violation(step, planes, count, i, j, k):
     return worst
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _deepest(free, planes, count):
     """Plane with the greatest overlap, -1 without any, and that overlap; pushes are set to zero."""
     deepest, overlap = -1, 0.0
@@ -61,7 +61,7 @@ def _deepest(free, planes, count):
 # functions below return the better one of what they are given and what they find; `step` is work.
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _onto_one(free, planes, count, first, slack, step, best):
     """On one plane, `first` before the others."""
     for turn in range(-1, count):
@@ -81,7 +81,7 @@ def _onto_one(free, planes, count, first, slack, step, best):
     return best
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _onto_two(free, planes, count, step, best):
     """On the line where two planes meet."""
     for i in range(count):
@@ -104,7 +104,7 @@ def _onto_two(free, planes, count, step, best):
     return best
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _onto_three(free, planes, count, step, best):
     """In the corner of three planes."""
     for i in range(count):
@@ -131,7 +131,7 @@ def _onto_three(free, planes, count, step, best):
     return best
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _pushed(free, planes, best, step):
     """Fill `step` from a candidate; square of the length of the correction [m^2]."""
     _, i, j, k, a, b, c = best
@@ -147,7 +147,7 @@ def _pushed(free, planes, best, step):
     return length2
 
 
-@kernel
+@kernel(makes_arrays=False)
 def nearest_step(
     free: np.ndarray, planes: np.ndarray, count: int, first: int, slack: float, step: np.ndarray
 ) -> int:
@@ -168,7 +168,8 @@ def nearest_step(
     node. Then the plane `first`, or without it the one with the deepest overlap, pushes alone.
     """
     deepest, overlap = _deepest(free, planes, count)
-    step[:] = free
+    for m in range(3):  # no slice: numba would copy where arrays overlap
+        step[m] = free[m]
     if deepest < 0:
         return 0
     best = np.inf, -1, -1, -1, 0.0, 0.0, 0.0

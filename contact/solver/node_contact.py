@@ -21,7 +21,7 @@ from .soft_contact import bed_stiffness, from_cloth, opposed, soft_pushes
 from .supporting_planes import find_planes, keep_one_exit
 
 
-@kernel
+@kernel(makes_arrays=False)
 def begin_path(work: Any) -> None:
     """At the start of the step, with no planes."""
     for c in range(3):
@@ -31,7 +31,7 @@ def begin_path(work: Any) -> None:
     work.roundoff, work.depth, work.tau = 0.0, 0.0, 0.0
 
 
-@kernel
+@kernel(makes_arrays=False)
 def look_at_depths(work: Any, found: int, segments: np.ndarray, planes: np.ndarray) -> None:
     """Take up the depths of planes from `count` to before `found`; counts those deep inside."""
     work.inside = 0
@@ -41,7 +41,7 @@ def look_at_depths(work: Any, found: int, segments: np.ndarray, planes: np.ndarr
         work.inside += planes[k].depth > work.recovery
 
 
-@kernel
+@kernel(makes_arrays=False)
 def push_out(last: int, work: Any, planes: np.ndarray) -> None:
     """The nearest admissible step without friction; `last` is the segment touched last."""
     work.first = -1
@@ -62,7 +62,7 @@ def push_out(last: int, work: Any, planes: np.ndarray) -> None:
         )
 
 
-@kernel
+@kernel(makes_arrays=False)
 def book_planes(
     x: np.ndarray,
     v: np.ndarray,
@@ -109,7 +109,7 @@ def node_kernel(kinetic_coefficient: Callable) -> Any:
     """
     apply_friction = friction_kernel(kinetic_coefficient)
 
-    @kernel
+    @kernel(makes_arrays=False)
     def follow_path(x, mass, node, work, segments, planes):
         """From plane to plane until the step is admissible; set of segments that press the node
         against each other, where that is seen on the way."""
@@ -133,7 +133,7 @@ def node_kernel(kinetic_coefficient: Callable) -> Any:
             if work.inside > 1 or work.pushing == PINCHED:
                 return 0
 
-    @kernel
+    @kernel(makes_arrays=False)
     def correct_node(x, v, mass, node, work, segments, planes, book):
         begun, pinch = 0, 0.0
         while True:  # again whenever segments are found to press the node against each other

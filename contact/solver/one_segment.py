@@ -31,18 +31,18 @@ from .supporting_planes import LONG_STEP, first_contact
 NONE, MANY = -1, -2  # no segment; not decided here
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _length(a0, a1, a2):
     return np.sqrt(a0 * a0 + a1 * a1 + a2 * a2)
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _arm(x, i, segment):
     """From the centre of a segment to node i."""
     return x[i, 0] - segment.centre[0], x[i, 1] - segment.centre[1], x[i, 2] - segment.centre[2]
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _in_sphere(segment, q0, q1, q2, reach):
     """Whether a step of some length from centre + q can come into the sphere around a segment."""
     limit = segment.reach + reach
@@ -50,7 +50,7 @@ def _in_sphere(segment, q0, q1, q2, reach):
     return (q0 * q0 + q1 * q1 + q2 * q2) * near <= limit * limit
 
 
-@kernel
+@kernel(makes_arrays=False)
 def only_plane(
     x: np.ndarray,
     i: int,
@@ -120,7 +120,7 @@ def only_plane(
     return owner, tau, height, m0, m1, m2
 
 
-@kernel
+@kernel(makes_arrays=False)
 def no_other(
     x: np.ndarray,
     i: int,
@@ -172,7 +172,7 @@ def one_segment_kernel(kinetic_coefficient: Callable) -> Any:
     """
     transmitted = cone_kernel(kinetic_coefficient)
 
-    @kernel
+    @kernel(makes_arrays=False)
     def meet_one(x, v, old, mass, i, sets, guards, work, segments, gaps, book, impulse, window):
         dt = work.dt
         v0, v1, v2 = v[i, 0], v[i, 1], v[i, 2]

@@ -30,7 +30,7 @@ def friction_kernel(kinetic_coefficient: Callable) -> Any:
     """
     transmitted = cone_kernel(kinetic_coefficient)
 
-    @kernel
+    @kernel(makes_arrays=False)
     def one_pass(mass, work, planes):
         """Add friction of all planes to `trial`; largest change [m], and whether all stick."""
         step, every, inertia = work.step, work.count + work.soft, mass / work.dt
@@ -66,7 +66,7 @@ def friction_kernel(kinetic_coefficient: Callable) -> Any:
                 work.trial[c] += friction[c]
         return change, stick
 
-    @kernel
+    @kernel(makes_arrays=False)
     def apply_friction(mass, work, planes):
         count, soft, stick, slack = work.count, work.soft, True, work.roundoff
         for _ in range(PASSES):

@@ -45,7 +45,7 @@ def segment_records(body: Body) -> np.ndarray:
     return records
 
 
-@kernel
+@kernel(makes_arrays=False)
 def set_motion(
     start: np.ndarray,
     start_axes: np.ndarray,
@@ -82,7 +82,7 @@ def set_motion(
         segment.roundoff = 1e-14 * (longest + np.sqrt(place))
 
 
-@kernel
+@kernel(makes_arrays=False)
 def move_segments(
     centres: np.ndarray,
     axes: np.ndarray,
@@ -105,7 +105,7 @@ def move_segments(
     )  # fmt: skip
 
 
-@kernel
+@kernel(makes_arrays=False)
 def in_reach(x: np.ndarray, length: float, segments: np.ndarray, allowed: int) -> bool:
     """Whether a step of some length [m] from x can come near any segment it can touch."""
     for b in range(len(segments)):
@@ -120,7 +120,7 @@ def in_reach(x: np.ndarray, length: float, segments: np.ndarray, allowed: int) -
     return False
 
 
-@kernel
+@kernel(makes_arrays=False)
 def turned_by(matrix: np.ndarray, q0: float, q1: float, q2: float) -> tuple[float, float, float]:
     """Product of a matrix (3, 3) and a vector, in scalars."""
     return (
@@ -130,7 +130,7 @@ def turned_by(matrix: np.ndarray, q0: float, q1: float, q2: float) -> tuple[floa
     )
 
 
-@kernel
+@kernel(makes_arrays=False)
 def drift_of(segment: Any, q0: float, q1: float, q2: float) -> tuple[float, float, float]:
     """Way of the material point at centre + q over the step, in scalars [m]."""
     u0, u1, u2 = turned_by(segment.turn, q0, q1, q2)

@@ -37,7 +37,7 @@ RELAXATION = 5e-4
 RESOLVED = 0.1  # of 1/dt^2, the greatest stiffness over mass that steps of dt follow
 
 
-@kernel
+@kernel(makes_arrays=False)
 def soft_pushes(
     x: np.ndarray, node: Any, begun: int, work: Any, segments: np.ndarray, planes: np.ndarray
 ) -> float:
@@ -85,7 +85,7 @@ def soft_pushes(
     return deepest
 
 
-@kernel
+@kernel(makes_arrays=False)
 def opposed(planes: np.ndarray, count: int, segments: np.ndarray, every: bool) -> int:
     """Set of the segments whose planes are turned against one of another segment.
 
@@ -105,7 +105,7 @@ def opposed(planes: np.ndarray, count: int, segments: np.ndarray, every: bool) -
     return out
 
 
-@kernel
+@kernel(makes_arrays=False)
 def bed_stiffness(planes: np.ndarray, work: Any, segments: np.ndarray) -> float:
     """Stiffness [Pa/m] of the beds that press the node at work from opposite sides.
 
@@ -123,7 +123,7 @@ def bed_stiffness(planes: np.ndarray, work: Any, segments: np.ndarray) -> float:
     return stiffness
 
 
-@kernel
+@kernel(makes_arrays=False)
 def from_cloth(
     planes: np.ndarray, first: int, last: int, k: int, segments: np.ndarray, out: np.ndarray
 ) -> None:

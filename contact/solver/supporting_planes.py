@@ -44,7 +44,7 @@ PLANE = np.dtype(
 )
 
 
-@kernel
+@kernel(makes_arrays=False)
 def first_contact(
     segment: Any,
     y0: float,
@@ -80,7 +80,7 @@ def first_contact(
     return 2.0, evaluated, 0.0, 0.0, 0.0, 0.0
 
 
-@kernel
+@kernel(makes_arrays=False)
 def set_plane(
     plane: Any,
     owner: int,
@@ -105,7 +105,7 @@ def set_plane(
         plane.friction[k] = 0.0
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _length_of_path(work):
     """No less than how far from the start the rest of the path may lead [m]."""
     step, at = work.step, work.at
@@ -115,7 +115,7 @@ def _length_of_path(work):
     return length
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _has_plane(planes, count, b):
     """Whether segment b is among the owners of the first planes."""
     listed = False
@@ -124,7 +124,7 @@ def _has_plane(planes, count, b):
     return listed
 
 
-@kernel
+@kernel(makes_arrays=False)
 def find_planes(
     x: np.ndarray, allowed: int, far: int, work: Any, segments: np.ndarray, planes: np.ndarray
 ) -> int:
@@ -211,7 +211,7 @@ def find_planes(
     return count
 
 
-@kernel
+@kernel(makes_arrays=False)
 def _is_outside(x, k, work, segments, count, planes):
     """Whether the foot of plane k, on the offset surface at t + dt, is in no other segment."""
     plane = planes[k]
@@ -234,7 +234,7 @@ def _is_outside(x, k, work, segments, count, planes):
     return outside
 
 
-@kernel
+@kernel(makes_arrays=False)
 def keep_one_exit(
     x: np.ndarray, last: int, work: Any, segments: np.ndarray, count: int, planes: np.ndarray
 ) -> int:

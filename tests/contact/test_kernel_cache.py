@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
+import numpy as np
 import pytest
 
 from contact.kernel import Unknown, fingerprint, kernel
@@ -264,3 +266,26 @@ def test_every_kernel_is_cached_by_content():
             if any(module.split(".")[0] == "numba" for module in modules):
                 uses.add(path.relative_to(ROOT).as_posix())
     assert uses == {"contact/kernel.py"}
+
+
+def test_no_references_are_counted_where_no_arrays_are_made():
+    """A kernel that gets rows of arrays counts no references; one that makes arrays is refused."""
+
+    def total(a):
+        found = 0.0
+        for i in range(len(a)):
+            row = a[i]
+            found += row[0]
+        return found
+
+    counting, plain = kernel(total), kernel(total, makes_arrays=False)
+    a = np.arange(6.0).reshape(3, 2)
+    assert counting(a) == plain(a) == 6.0
+    assert "NRT_incref" not in plain.inspect_llvm(plain.signatures[0])
+
+    def makes(n):
+        return np.zeros(n).sum()
+
+    assert kernel(makes)(3) == 0.0
+    with pytest.raises(numba.core.errors.NumbaError, match=r"NRT|returning of array"):
+        kernel(makes, makes_arrays=False)(3)
