@@ -30,8 +30,8 @@ from shellform.material.sheet import Sheet
 G = 9.81  # m/s^2
 DISC, SPECIMEN = 0.09, 0.15  # radii [m]
 ANGLES, HARMONICS = 360, 12
-CELLS = (72, 8)  # around, across: folds of a ninth of the rim have 8 cells each
-QUICK = (48, 5)
+CELLS = (48, 5)  # around, across: folds of a ninth of the rim have 5 cells each
+QUICK = (24, 3)
 LEAST = 0.5e-3  # m, by which a fold stands out of the outline
 PUSH = 0.02  # m/s, root mean square of the start
 # men's winter suiting, means of Kawabata's KN-101 norms, quoted from memory: estimated
@@ -183,11 +183,14 @@ def options(given: Sequence[str] | None, description: str) -> argparse.Namespace
     parser = argparse.ArgumentParser(allow_abbrev=False, description=description)
     parser.add_argument("--out", default="out/reviewed", help="folder for results")
     parser.add_argument("--starts", type=console.positive(int), default=3, help="of each drape")
+    parser.add_argument(
+        "--cells", type=console.positive(int), nargs=2, default=CELLS, help="around, across"
+    )
     parser.add_argument("--quick", action="store_true", help="coarse cells, one start")
     found = console.parse(parser, given)
     if found.quick:
-        found.starts = 1
-    found.cells = QUICK if found.quick else CELLS
+        found.starts, found.cells = 1, QUICK
+    found.cells = tuple(found.cells)
     Path(found.out).mkdir(parents=True, exist_ok=True)
     return found
 

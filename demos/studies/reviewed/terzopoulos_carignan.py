@@ -158,7 +158,7 @@ def main(given: Sequence[str] | None = None) -> None:
     rows = []
     for start in range(1, asked.starts + 1):
         begun = time.process_time()
-        drape, iterations = hang_implicitly(law, start, (48, 5))
+        drape, iterations = hang_implicitly(law, start, asked.cells)
         spent = time.process_time() - begun
         row = row_of("metric and curvature", "implicit", drape, spent)
         rows.append(row | {"iterations": iterations})
@@ -167,7 +167,7 @@ def main(given: Sequence[str] | None = None) -> None:
             ("St. Venant, nu = 0.3", cloth(poisson_ratio=0.3)),
         ):
             begun = time.process_time()
-            drape = hang(fabric, start, (48, 5))
+            drape = hang(fabric, start, asked.cells)
             rows.append(row_of(name, "explicit", drape, time.process_time() - begun))
     print_table("Cusick's drape, a start a block", rows, list(rows[0]))
     write_table(f"{asked.out}/terzopoulos_carignan_drape.csv", rows)
