@@ -181,7 +181,8 @@ def _tension(q: dict, yarn: str, where: str) -> Part:
                 f"{name}: RT goes with LT or WT, which are missing: a straight line gives back all "
                 "of its work."
             )
-        return None, most / EMT, ()
+        # the load of a St. Venant sheet at that stretch, (1 + e) (e + e^2/2) times its stiffness
+        return None, most / ((1.0 + EMT) * (EMT + 0.5 * EMT**2)), ()
     RT = q.get(f"RT_{yarn}", 1.0)
     x, y = decrimping(EMT, LT, most, RT, name)
     return tension_loop(x, y, RT, name)

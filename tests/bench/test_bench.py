@@ -22,6 +22,8 @@ from tests.bench.test_cycles import BENT, SHEARED
 from tests.material.test_measurements import SUITING
 from tests.material.test_provenance import KES, without
 
+pytestmark = pytest.mark.serial  # specimens of a few cells
+
 ROOT = Path(__file__).resolve().parents[2]
 HALF_KNOWN = {
     "name": "half",

@@ -14,6 +14,8 @@ from shellform.material.friction import follow
 from shellform.material.measurements import measured_fabric
 from tests.material.test_measurements import SUITING
 
+pytestmark = pytest.mark.serial  # specimens of a few cells
+
 SHEARED = {  # a loop as it is measured, with locking
     "angle_degrees": [0, 1, 2, 4, 6, 8],
     "shear_load_N_per_m": [0, 1.5, 2.6, 4.7, 7.2, 11.0],

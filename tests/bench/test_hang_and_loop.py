@@ -13,6 +13,8 @@ from shellform.material.measurements import measured_fabric
 from tests.bench.test_cycles import BENT
 from tests.material.test_measurements import SUITING
 
+pytestmark = pytest.mark.serial  # specimens of a few cells
+
 
 def linear(moment):
     return moment

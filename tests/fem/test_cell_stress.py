@@ -18,6 +18,8 @@ from shellform.material.measured import Measured
 from shellform.material.measurements import measured_fabric
 from tests.fem.test_shell import deform, dome, owned
 
+pytestmark = pytest.mark.serial  # ranks are in tests/dynamics/test_cloth_friction_on_ranks.py
+
 WARP = Curve((0, 0.01, 0.03, 0.05, 0.08), (0, 2, 12, 60, 300.0), False)
 WEFT = Curve((0, 0.02, 0.05, 0.10), (0, 2, 20, 120.0), False)
 SHEAR = Curve((0, 0.1, 0.3, 0.5, 0.6), (0, 5, 16, 60, 200.0), True)

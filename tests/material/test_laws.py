@@ -25,6 +25,8 @@ from shellform.scene.scene_file import read_scene, write_scene
 from tests.fem.test_shell import deform, dome, owned
 from tests.material.test_measurements import SUITING
 
+pytestmark = pytest.mark.serial  # laws act in a point of a cell
+
 KINDS = {"quads": (1, False), "triangles": (1, True), "nine nodes": (2, False)}
 E, NU, T = 6e5, 0.4, 2e-3
 SOLID = Fabric.isotropic(E, NU, T, 1000.0)

@@ -271,3 +271,12 @@ def test_bad_cards(what):
 def test_sliders_that_are_none_are_refused():
     with pytest.raises(FabricError, match="friction in shear: a stiffness k, a yield stress m and"):
         ClothFriction(shear=[(60.0, -1.0)])
+
+
+def test_a_straight_line_meets_its_point():
+    """EMT alone: the sheet bears 500 gf/cm at that stretch, of the length that it had."""
+    fabric = measured_fabric(without("LT", "RT"))
+    for axis, stretch in enumerate((0.05, 0.08)):
+        strain = stretch + 0.5 * stretch**2
+        load = (1.0 + stretch) * fabric.membrane[axis, axis] * strain
+        assert load == pytest.approx(490.3325, rel=1e-6)
