@@ -16,8 +16,8 @@ PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 # Roll-up, drape, a short walk; ranks; director, shell, statics, Newmark's steps; dolfinx itself.
 SLICE := tests/demos/test_demos.py tests/simulation/test_run.py tests/test_parallel.py \
   tests/test_launcher.py tests/fem/test_dolfinx_compat.py tests/fem/test_director.py \
-  tests/fem/test_shell.py tests/statics/test_load_stepping.py tests/statics/test_supports.py \
-  tests/statics/test_loads.py tests/dynamics/test_explicit.py tests/dynamics/test_implicit.py
+  tests/fem/test_shell.py tests/statics/test_load_stepping.py tests/dynamics/test_explicit.py \
+  tests/dynamics/test_implicit.py
 
 .DEFAULT_GOAL := help
 .PHONY: help setup roll-up drape walk docs test test-slice test-plain lint clean
