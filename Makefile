@@ -20,7 +20,7 @@ SLICE := tests/demos/test_demos.py tests/simulation/test_run.py tests/test_paral
   tests/dynamics/test_implicit.py
 
 .DEFAULT_GOAL := help
-.PHONY: help setup roll-up drape walk docs test test-slice test-plain lint clean
+.PHONY: help setup roll-up drape walk docs test test-slice test-thorough test-plain lint clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):[^#]*## /make \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -46,10 +46,10 @@ docs: setup ## pages of docs/ with the gallery, links checked; result in docs/_b
 	@echo "wrote docs/_build/html/index.html"
 
 ifeq ($(PLATFORM),)
-test: setup ## all tests on 1 rank, then on 2; PLATFORM=wheel or debian13 for those of another one
+test: setup ## tests on 1 rank, then on 2; PLATFORM=wheel or debian13 for those of another one
 	@status=0; \
-	$(PYTEST) -n 2 --dist loadfile || status=1; \
-	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow" || status=1; \
+	$(PYTEST) -n 2 --dist loadfile -m "not thorough" || status=1; \
+	$(MPIRUN) -n 2 $(PYTEST) -p no:cacheprovider -m "not serial and not slow and not thorough" || status=1; \
 	exit $$status
 
 test-slice: setup ## tests that meet dolfinx, MPI and numpy most; PLATFORM as for test
@@ -67,6 +67,9 @@ else
 test test-slice:
 	@echo "PLATFORM=$(PLATFORM) is unknown: wheel or debian13" >&2; exit 2
 endif
+
+test-thorough: setup ## the tests that `make test` leaves out for their time, on 1 rank
+	$(PYTEST) -n 2 --dist loadfile -m thorough
 
 # Test results may not hang on the processor: nothing of this one but what all of 2009 have.
 test-plain: export SHELLFORM_CFLAGS := -march=x86-64-v2

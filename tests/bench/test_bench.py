@@ -36,6 +36,7 @@ def test_the_command_offers_all_tests():
     assert OFFERED == TESTS
 
 
+@pytest.mark.thorough
 def test_bands_of_what_is_not_measured():
     """Bending of the prior: its 10 and 90 % give c by the cube root; shear is measured, no band."""
     fabric = fabric_from_card(HALF_KNOWN)

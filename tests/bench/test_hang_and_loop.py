@@ -67,6 +67,7 @@ def test_yarns_are_told_apart():
     assert ratio == pytest.approx(4 ** (1 / 3), rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_bending_length_with_friction_and_softening():
     """The elastica bends along the first loading of the card."""
     table = {k: v for k, v in SUITING.items() if not k.startswith(("B_weft", "LT"))}

@@ -28,6 +28,7 @@ BEND_WEFT = Curve((0, 10, 60, 200.0), (0, 8e-5, 4e-4, 1.1e-3), True)
 COUPLING = Curve((0, 0.02, 0.05, 0.1), (0, 0.3, 1.2, 4.0), False)
 LAW = Measured(WARP, WEFT, SHEAR, BEND, None, COUPLING)
 B = 1e-5
+SHEETS = ["quads", pytest.param("triangles", marks=pytest.mark.thorough)]
 KINDS = {"quads": (1, False), "triangles": (1, True), "nine nodes": (2, False)}
 FRICTION = ClothFriction(
     tension_warp=[(3000.0, 0.0, 150.0)],
@@ -229,7 +230,7 @@ CYCLES = {
 }
 
 
-@pytest.mark.parametrize("kind", ["quads", "triangles"])
+@pytest.mark.parametrize("kind", SHEETS)
 @pytest.mark.parametrize("cells", [(1, 1), (8, 8)])
 @pytest.mark.parametrize("angle", [0.0, 90.0, 30.0])
 @pytest.mark.parametrize("what", CYCLES)
@@ -326,7 +327,7 @@ BENT_BY = {
 }
 
 
-@pytest.mark.parametrize("kind", ["quads", "triangles"])
+@pytest.mark.parametrize("kind", SHEETS)
 @pytest.mark.parametrize("angle", [0.0, 90.0, 30.0])
 @pytest.mark.parametrize("cells", [(1, 1), (8, 8)])
 @pytest.mark.parametrize("what", BENT_BY)

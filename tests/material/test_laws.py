@@ -42,10 +42,10 @@ CASES = {
     "surface": (MetricAndCurvature(), SURFACE),
 }
 # forms of a law in every element take a minute to compile
-LONG = [pytest.param(kind, marks=() if kind == "quads" else pytest.mark.slow) for kind in KINDS]
+LONG = [pytest.param(kind, marks=() if kind == "quads" else pytest.mark.thorough) for kind in KINDS]
 QUICK = {*((case, "quads") for case in CASES), ("fung", "triangles")}
 ALL = [
-    pytest.param(case, kind, marks=() if (case, kind) in QUICK else pytest.mark.slow)
+    pytest.param(case, kind, marks=() if (case, kind) in QUICK else pytest.mark.thorough)
     for case in CASES
     for kind in KINDS
 ]
@@ -143,7 +143,7 @@ def in_axes(F, angle):
     return np.array([strain[0, 0], strain[1, 1], 2 * strain[0, 1]]), turn
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", LONG)
 @pytest.mark.parametrize("angle", [0.0, 90.0, 30.0])
 def test_fung_in_a_homogeneous_strain(kind, angle):
     """F S e_x on the edge, S = exp(E.A.E/c) A E written out."""

@@ -108,7 +108,7 @@ def test_no_friction_kernel_without_friction(monkeypatch, friction):
     monkeypatch.setattr(one_segment, "cone_kernel", counted)
     # the loop over nodes, and what each of them does, by Python itself
     for module in (one_segment, correction_step):
-        monkeypatch.setattr(module, "kernel", lambda function: function)
+        monkeypatch.setattr(module, "kernel", lambda **options: lambda function: function)
     meet, correct = (
         one_segment.one_segment_kernel.__wrapped__,
         correction_step.correction_kernel.__wrapped__,

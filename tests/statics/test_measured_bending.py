@@ -91,7 +91,9 @@ def test_a_path_keeps_its_slips():
         follow_path(shell, 2.0, start=path.states[-1])
 
 
-@pytest.mark.parametrize("triangles", [False, True])
+@pytest.mark.parametrize(
+    "triangles", [False, pytest.param(True, marks=[pytest.mark.serial, pytest.mark.thorough])]
+)
 def test_both_branches_of_a_measured_loop(triangles):
     """Softening with a loop, as lists of loading and unloading: the strip goes along both."""
     most, HB, slip = 150.0, 3e-4, 3.0  # it slips from a fiftieth of the largest curvature on

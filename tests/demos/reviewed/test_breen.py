@@ -7,7 +7,7 @@ import pytest
 from demos.studies.reviewed import breen
 from demos.studies.reviewed.thread_grid import grid
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.thorough]
 FABRIC = breen.cloth()
 
 

@@ -7,7 +7,7 @@ import pytest
 from demos.studies.reviewed import chen_govindaraj
 from demos.studies.reviewed.cusick_drape import DISC, SPECIMEN, Hanging, angles
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.thorough]
 
 
 def test_the_measure():

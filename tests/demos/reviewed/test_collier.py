@@ -7,7 +7,7 @@ import pytest
 from demos.studies.reviewed import collier
 from shellform.material.laminate import FabricError
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.thorough]
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])

@@ -8,7 +8,7 @@ from demos.studies.reviewed import cusick_drape
 from demos.studies.reviewed.cusick_drape import DISC, SPECIMEN, SUITING
 from shellform.material.measurements import measured_fabric
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.thorough]
 
 
 def rim(radius, count=400):

@@ -6,7 +6,7 @@ import pytest
 
 from demos.studies.reviewed import eberhardt
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.thorough]
 
 
 def test_piecewise():

@@ -10,6 +10,7 @@ from shellform.material.measurements import measured_fabric
 
 pytestmark = [
     pytest.mark.serial,
+    pytest.mark.thorough,
     pytest.mark.filterwarnings("ignore::shellform.material.fabric.UnitWarning"),
 ]
 

@@ -8,7 +8,7 @@ from demos.studies.reviewed import gan
 from demos.studies.reviewed.cusick_drape import SUITING
 from shellform.material.measurements import measured_fabric
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.thorough]
 CLOTH = measured_fabric(SUITING)
 
 

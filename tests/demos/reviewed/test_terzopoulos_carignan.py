@@ -8,7 +8,7 @@ from demos.studies.reviewed import terzopoulos_carignan as study
 from demos.studies.reviewed.cusick_drape import hang
 from shellform.material.surface_energy import MetricAndCurvature
 
-pytestmark = pytest.mark.serial
+pytestmark = [pytest.mark.serial, pytest.mark.thorough]
 LAW = MetricAndCurvature()
 
 
