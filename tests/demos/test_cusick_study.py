@@ -9,6 +9,8 @@ import pytest
 from demos.studies.cusick import run as cusick
 from shellform.bench.drape import Drape
 
+pytestmark = pytest.mark.serial  # a study of one rank
+
 
 @pytest.mark.parametrize("wanted", [16.0, 50.0, 78.0])
 def test_the_fit(wanted):
