@@ -17,6 +17,8 @@ from shellform.bench.drape import (
     shadow,
 )
 
+pytestmark = pytest.mark.serial  # specimens of a few cells
+
 ANGLE = 2 * np.pi * (np.arange(ANGLES) + 0.5) / ANGLES
 
 

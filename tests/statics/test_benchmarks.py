@@ -111,7 +111,7 @@ def test_roll_up_at_any_thickness(ratio):
 
 
 @pytest.mark.serial
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_roll_up_ten_turns():
     """Ten turns, 8 cells to a turn: converges, as near the circle as 8 cells must be in one turn.
 

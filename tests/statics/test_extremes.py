@@ -254,7 +254,8 @@ def test_rows_drawn_together():
 # ---------------------------------------------------------------- long ones
 
 
-@pytest.mark.slow
+@pytest.mark.serial
+@pytest.mark.thorough
 def test_a_million_cells_fall_freely():
     """Built and stepped: free fall is exact at any number of cells; memory as README says."""
     out = motion.million()
@@ -262,7 +263,8 @@ def test_a_million_cells_fall_freely():
     assert out["bytes"] < 5000
 
 
-@pytest.mark.slow
+@pytest.mark.serial
+@pytest.mark.thorough
 def test_a_million_steps():
     """Momenta drift by roundoff only, energy swings but does not grow."""
     out = motion.tumbled(strip(1e-3), cells=(1, 1), steps=1_000_000)
