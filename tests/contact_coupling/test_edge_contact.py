@@ -39,7 +39,7 @@ def rod(radius, angle=0.0, shape=None, motion=Fixed, **rates):
 @pytest.mark.parametrize(
     ("radius", "shift", "angle", "triangles"),
     [
-        (0.0005, 0.02, 0.0, False),
+        pytest.param(0.0005, 0.02, 0.0, False, marks=pytest.mark.slow),
         pytest.param(0.001, 0.013, 0.3, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
         pytest.param(0.0025, 0.007, 0.0, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
         (0.001, 0.013, 0.1, True),
