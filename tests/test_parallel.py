@@ -112,7 +112,13 @@ def run(name, path):
 @needs_mpirun
 @pytest.mark.serial
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.thorough if name == "driven nine nodes" else ())
+        for name in CASES
+    ],
+)
 def test_ranks_agree(name, tmp_path):
     """Displacements of 1, 2 and 3 ranks agree to 1e-9, in as many iterations."""
     results = []
