@@ -42,7 +42,7 @@ class Friction:
 
     Another law is a frozen class derived from this one with a kernel of its own as
 
-        kinetic_coefficient(speed, parameters) -> mu_k >= 0, and <= static
+        kinetic_coefficient(speed, parameters) -> mu_k >= 0, and <= static; it makes no arrays
 
     of the slip speed [m/s] that is left by the normal impulse, and its numbers as `parameters`, the
     static coefficient first.
