@@ -131,10 +131,7 @@ def run(kind, folder):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "kind",
-    [
-        pytest.param(kind, marks=pytest.mark.thorough if kind in THOROUGH else ())
-        for kind in SHEETS
-    ],
+    [pytest.param(kind, marks=pytest.mark.thorough if kind in THOROUGH else ()) for kind in SHEETS],
 )
 def test_more_ranks_than_cells(kind, tmp_path):
     """One and two cells on 1 to 4 ranks: what is found agrees to 1e-9."""

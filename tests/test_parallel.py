@@ -115,10 +115,7 @@ def run(name, path):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=pytest.mark.thorough if name in THOROUGH else ())
-        for name in CASES
-    ],
+    [pytest.param(name, marks=pytest.mark.thorough if name in THOROUGH else ()) for name in CASES],
 )
 def test_ranks_agree(name, tmp_path):
     """Displacements of 1, 2 and 3 ranks agree to 1e-9, in as many iterations."""
