@@ -19,6 +19,7 @@ from .all_ranks import watch_exceptions
 from .launcher import refuse_another
 
 if TYPE_CHECKING:
+    from contact.body.flesh import Flesh
     from contact.body.segments import Body, Fixed, Segment
     from contact.solver.friction import Friction
     from meshes import MeshError
@@ -66,6 +67,7 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     "Body",
     "Segment",
     "Fixed",
+    "Flesh",
     "Friction",
     "Contact",
     # the moving wearer
@@ -97,6 +99,7 @@ _HOMES = {
     "Fabric": "shellform.material.fabric",
     "FabricError": "shellform.material.fabric",
     "Fixed": "contact.body.segments",
+    "Flesh": "contact.body.flesh",
     "Friction": "contact.solver.friction",
     "ImplicitNewmark": "shellform.dynamics.implicit",
     "Ledger": "shellform.results.ledger",

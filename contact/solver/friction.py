@@ -24,10 +24,9 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba.core.errors import NumbaError
 from numpy.typing import ArrayLike
 
-from contact.kernel import kernel
+from contact.kernel import NumbaError, kernel
 
 PARAMETERS = 6  # numbers that a law may have
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.body.flesh import Flesh
 from contact.body.segments import Body
 from contact.solver.friction import as_friction
 from shellform.dynamics.part import RunningContact
@@ -32,6 +33,7 @@ class Contact:
         steps)
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
         each other (explicit steps, contact/solver/soft_contact.py); None: hard
+    flesh : Flesh or None: of the body everywhere (explicit steps, contact/body/flesh.py)
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
 
     Examples
@@ -53,6 +55,7 @@ class Contact:
     offset: float | None = None
     samples: int | str = "nodes"
     flesh_stiffness: float | None = None
+    flesh: Flesh | None = None
     recovery: float = 0.1
 
     def __post_init__(self):
@@ -64,6 +67,15 @@ class Contact:
         for name, value in (("offset", self.offset), ("flesh_stiffness", self.flesh_stiffness)):
             if value is not None and not (isinstance(value, Real) and 0 <= value < np.inf):
                 raise ValueError(f"{name} of a contact is a finite number >= 0, not {value!r}")
+        if self.flesh is not None:
+            if not isinstance(self.flesh, Flesh):
+                raise TypeError(
+                    f"flesh of a contact is a Flesh, as Flesh(6.7e5), not {self.flesh!r}"
+                )
+            for name, left_out in (("flesh_stiffness", None), ("samples", "nodes")):
+                if getattr(self, name) not in (left_out, 0):
+                    raise ValueError(f"a contact with flesh takes no {name}: leave it out")
+            self.flesh.beds(self.body.names)
         if not (isinstance(self.recovery, Real) and self.recovery > 0):
             raise ValueError(f"the recovery speed is positive, in m/s, not {self.recovery!r}")
 
@@ -88,6 +100,8 @@ class Contact:
                     f"implicit steps know no soft flesh, as of {self.flesh_stiffness} Pa/m: leave "
                     "`flesh_stiffness` out, or take Newmark"
                 )
+            if self.flesh is not None:
+                raise ValueError("implicit steps know no flesh: leave `flesh` out, or take Newmark")
             from .implicit_contact import ImplicitContact
 
             running = ImplicitContact(stepper, self.body, self.friction, self.offset, self.recovery)
@@ -96,7 +110,7 @@ class Contact:
 
         met = ExplicitContact(
             stepper, self.body, self.friction, self.offset, self.samples, self.flesh_stiffness,
-            self.recovery,
+            self.recovery, self.flesh,
         )  # fmt: skip
         return met.attach(stepper)
 

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.body.flesh import Flesh
 from contact.body.segments import Body
 from contact.kernel import kernel
 from contact.solver.cell_samples import (
@@ -59,7 +60,7 @@ class ExplicitContact(RunningContact):
     Parameters
     ----------
     stepper : Stepper, explicit
-    body, friction, offset, samples, flesh_stiffness, recovery : see Contact
+    body, friction, offset, samples, flesh_stiffness, recovery, flesh : see Contact
 
     Attributes
     ----------
@@ -83,6 +84,7 @@ class ExplicitContact(RunningContact):
         samples: int | str,
         flesh_stiffness: float | None,
         recovery: float,
+        flesh: Flesh | None = None,
     ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
@@ -92,10 +94,21 @@ class ExplicitContact(RunningContact):
         areal = stepper.shell.fabric.areal_mass
         self._flesh = flesh_stiffness or np.inf
         self.watches_beds = False
-        self._how = {"recovery": recovery}
+        surface = stepper.shell.surface
+        span = spans(surface.points, straight_cells(surface.cells)).max()
+        thin = thin_segments(body.shapes, span, offset)
+        self._how: dict[str, Any] = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
-        self.correction = VelocityCorrection(body, n, friction, offset, fixed=fixed, **self._how)
+        correct: type[VelocityCorrection] = VelocityCorrection
+        self.flesh = flesh
+        if flesh is not None:
+            # its kernels are loaded for flesh only
+            from contact.solver.flesh_correction import FleshCorrection
+
+            correct = FleshCorrection
+            self._how |= {"flesh": flesh, "areal_mass": areal, "hard": thin}
+        self.correction = correct(body, n, friction, offset, fixed=fixed, **self._how)
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
@@ -104,9 +117,8 @@ class ExplicitContact(RunningContact):
         k: Any = 0 if samples == "nodes" else samples
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
-        surface, self.edges = stepper.shell.surface, None
-        span = spans(surface.points, straight_cells(surface.cells)).max()
-        if thin_segments(body.shapes, span, offset):
+        self.edges = None
+        if thin:
             # its kernels are loaded for thin segments only
             from .edge_contact import EdgeContact
 

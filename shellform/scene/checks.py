@@ -71,7 +71,7 @@ def check_kinds(scene: Scene) -> None:
             if not any(_is(value, kind) for kind in kinds):
                 said = " or ".join(KINDS[kind] for kind in kinds if kind in KINDS)
                 raise ValueError(f"{name} is {said}, not {value!r}")
-    for where in ("person.girths", "garment.measures"):
+    for where in ("person.girths", "garment.measures", "contact.flesh_bed"):
         part, _, name = where.partition(".")
         for key, value in getattr(getattr(scene, part), name).items():
             if not _is(value, float):

@@ -103,7 +103,9 @@ class Contact:
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
-    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`.
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`;
+    flesh_bed : the same wherever cloth presses, by names of segments, 'body' for all others [Pa/m],
+    none: hard skin; takes the place of flesh_stiffness; see `contact.body.flesh`.
 
     Examples
     --------
@@ -115,6 +117,7 @@ class Contact:
     kinetic_friction: float | None = None
     offset: float | None = with_unit(None, "m")
     flesh_stiffness: float = with_unit(2e5, "Pa/m")
+    flesh_bed: dict = field(default_factory=dict, metadata={"unit": "Pa/m"})
 
 
 @dataclass(frozen=True)

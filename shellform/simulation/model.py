@@ -16,6 +16,7 @@ from shellform.dressing.settle import AT_LEAST, settle_again
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
 from shellform.scene.checks import check_dressing
+from shellform.scene.flesh import flesh_of
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene
@@ -59,12 +60,14 @@ class Model:
         """Contact of a stepper's nodes with those ellipsoids that each can come to."""
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
         kinetic = contact.kinetic_friction
+        flesh = flesh_of(self.scene, self.whole.names, self.wearer.names)
         running = stepper.add(
             Contact(
                 self.wearer,
                 contact.friction if kinetic is None else (contact.friction, kinetic),
                 contact.offset,
-                flesh_stiffness=contact.flesh_stiffness,
+                flesh_stiffness=contact.flesh_stiffness if flesh is None else None,
+                flesh=flesh,
             )
         )
         running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]

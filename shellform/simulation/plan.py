@@ -17,11 +17,13 @@ that folds are then those of the mesh: `demos/studies/performance/what_it_saves.
 
 from collections.abc import Sequence
 
+from contact.body.flesh import HARD
 from meshes import Surface
 from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
 from shellform.motion.wearer import Wearer
 from shellform.scene.checks import check_dressing
+from shellform.scene.flesh import flesh_of
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
@@ -30,7 +32,7 @@ WRINKLES = {
     "relaxed": "relaxed: those smaller than a cell let go of compression",
     "resolved": "resolved: cells alone fold",
 }
-SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
+SEEN = ("out_of_reach", "friction", "flesh", "creases", "joints")  # lines below that of contact
 
 
 def plan_of(
@@ -71,7 +73,11 @@ def plan_of(
     if contact.friction:
         kinetic = contact.kinetic_friction
         plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]
-    if len(near) > 1:
+    flesh = flesh_of(scene, wearer.names, near)
+    if flesh is not None:
+        by_name = zip(near, flesh.beds(near)["stiffness"], strict=True)
+        plan["flesh"] = [f"{name} {k:g} Pa/m" for name, k in by_name if k < HARD]
+    elif len(near) > 1:
         soft = contact.flesh_stiffness
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
     recording = wearer.recording
