@@ -82,7 +82,7 @@ def test_cloth_that_starts_inside_is_not_thrown():
         correction(x, v, mass, DT, step * DT)
         x += DT * v
         assert v[0, 2] < 0.2  # a node swings on its bed; thrown, it would have 30 m/s
-    assert abs(x[0, 2]) < 1e-3 and correction.window.impulse[0, 2] > 0
+    assert x[0, 2] > -1e-3 and correction.window.impulse[0, 2] > 0
 
 
 @pytest.mark.parametrize("name", ["elastic", "slips", "relaxes"])
