@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from contact.body.segments import Body
+from contact.body.surface_motion import SurfaceMotion
 from contact.solver.friction import as_friction
 from shellform.dynamics.part import RunningContact
 
@@ -25,7 +26,8 @@ class Contact:
 
     Parameters
     ----------
-    body : Body, a Wearer among them
+    body : Body, a Wearer among them; or a moving closed surface of triangles by itself, as
+        `contact.body.rigid_surface.RigidSurface`
     friction : float, (mu_s, mu_k) or a law, see contact/solver/friction.py
     offset : float [m] or None: half the fabric's thickness
     samples : "nodes" or 0: the nodes alone; k: also k x k points inside every 4-node cell (explicit
@@ -33,6 +35,10 @@ class Contact:
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
         each other (explicit steps, contact/solver/soft_contact.py); None: hard
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
+    surface : SurfaceMotion or None: closed surface of triangles bound to segments of the body,
+        which is met instead of their own shapes (explicit steps)
+    smooth : bool, whether a surface is met as a smooth one, or as its flat triangles with their
+        sharp edges
 
     Examples
     --------
@@ -48,17 +54,27 @@ class Contact:
     True
     """
 
-    body: Body
+    body: Any
     friction: Any = 0.3
     offset: float | None = None
     samples: int | str = "nodes"
     flesh_stiffness: float | None = None
     recovery: float = 0.1
+    surface: SurfaceMotion | None = None
+    smooth: bool = True
 
     def __post_init__(self):
-        if not isinstance(self.body, Body):
+        if isinstance(self.body, SurfaceMotion) and self.surface is None:
+            object.__setattr__(self, "surface", self.body)
+        elif not isinstance(self.body, Body):
             raise TypeError(
-                f"Contact takes a Body, as Body([Segment(...)]) or a Wearer, not {self.body!r}"
+                "Contact takes a Body, as Body([Segment(...)]) or a Wearer, or a surface as "
+                f"RigidSurface(...), not {self.body!r}"
+            )
+        if not (self.surface is None or isinstance(self.surface, SurfaceMotion)):
+            raise TypeError(
+                f"the surface of a contact is one as RigidSurface(...) or None, not "
+                f"{self.surface!r}"
             )
         as_friction(self.friction)
         for name, value in (("offset", self.offset), ("flesh_stiffness", self.flesh_stiffness)):
@@ -88,6 +104,11 @@ class Contact:
                     f"implicit steps know no soft flesh, as of {self.flesh_stiffness} Pa/m: leave "
                     "`flesh_stiffness` out, or take Newmark"
                 )
+            if self.surface is not None:
+                raise ValueError(
+                    "implicit steps meet no surface of triangles: take Newmark, or a body of "
+                    "ellipsoids"
+                )
             from .implicit_contact import ImplicitContact
 
             running = ImplicitContact(stepper, self.body, self.friction, self.offset, self.recovery)
@@ -96,7 +117,7 @@ class Contact:
 
         met = ExplicitContact(
             stepper, self.body, self.friction, self.offset, self.samples, self.flesh_stiffness,
-            self.recovery,
+            self.recovery, self.surface, self.smooth,
         )  # fmt: skip
         return met.attach(stepper)
 

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.body.segments import Body
+from contact.body.surface_motion import SurfaceMotion
 from contact.kernel import kernel
 from contact.solver.cell_samples import (
     collect,
@@ -59,12 +59,13 @@ class ExplicitContact(RunningContact):
     Parameters
     ----------
     stepper : Stepper, explicit
-    body, friction, offset, samples, flesh_stiffness, recovery : see Contact
+    body, friction, offset, samples, flesh_stiffness, recovery, surface, smooth : see Contact
 
     Attributes
     ----------
     body, last, window, ... : see RunningContact
-    correction : VelocityCorrection, with its counters and ledgers, those of samples included
+    correction : VelocityCorrection or SurfaceCorrection, with its counters and ledgers, those of
+        samples included
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
     edges : EdgeContact, or None where no segment can pass between nodes
@@ -77,12 +78,14 @@ class ExplicitContact(RunningContact):
     def __init__(
         self,
         stepper: Any,
-        body: Body,
+        body: Any,
         friction: Any,
         offset: float | None,
         samples: int | str,
         flesh_stiffness: float | None,
         recovery: float,
+        surface: SurfaceMotion | None = None,
+        smooth: bool = True,
     ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
@@ -95,23 +98,37 @@ class ExplicitContact(RunningContact):
         self._how = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
-        self.correction = VelocityCorrection(body, n, friction, offset, fixed=fixed, **self._how)
+        self.correction: Any
+        if surface is None:
+            self.correction = VelocityCorrection(
+                body, n, friction, offset, fixed=fixed, **self._how
+            )
+        else:
+            # its kernels are loaded for surfaces only
+            from .surface_contact import correction_of
+
+            self.correction = correction_of(
+                surface, body, n, friction, offset, fixed, recovery, smooth, samples,
+                flesh_stiffness,
+            )  # fmt: skip
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self._free = np.empty_like(stepper.v)
         self.inner = None
         k: Any = 0 if samples == "nodes" else samples
+        self.edges = self.pressed = None
+        if surface is not None:
+            return
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
-        surface, self.edges = stepper.shell.surface, None
-        span = spans(surface.points, straight_cells(surface.cells)).max()
+        cloth = stepper.shell.surface
+        span = spans(cloth.points, straight_cells(cloth.cells)).max()
         if thin_segments(body.shapes, span, offset):
             # its kernels are loaded for thin segments only
             from .edge_contact import EdgeContact
 
             self.edges = EdgeContact(stepper, self.correction, offset, recovery)
-        self.pressed = None
         if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
             self.pressed = PressedCells(stepper)
 

@@ -21,8 +21,8 @@ def sphere(radius=0.25, centre=(0.0, 0.0, -0.25)):
     return Body([Segment("sphere", [radius] * 3, Fixed(centre))])
 
 
-def over_sphere(cells=10, turn=None, friction=0.3, height=2e-3, **damping):
-    """A square of 0.5 m a little above a sphere, the whole scene turned by a rotation."""
+def over_sphere(cells=10, turn=None, friction=0.3, height=2e-3, body=None, **damping):
+    """A square of 0.5 m a little above a limb, the whole scene turned by a rotation."""
     turn = np.eye(3) if turn is None else turn
     surface = meshes.rectangle(
         0.5, 0.5, (cells, cells), parameters=meshes.distorted((cells, cells), 0.1, seed=1)
@@ -30,9 +30,10 @@ def over_sphere(cells=10, turn=None, friction=0.3, height=2e-3, **damping):
     surface = surface.transform(rotation=turn)
     shell = Shell(surface, Fabric.isotropic(**CLOTH))
     shell.loads.gravity(turn @ [0.0, 0.0, -G])
-    body = Body([Segment("limb", (0.2, 0.3, 0.25), Fixed(turn @ [0, 0, -0.25], turn.T))])
+    place = Fixed(turn @ [0, 0, -0.25], turn.T)
+    limb = body(place) if body else Body([Segment("limb", (0.2, 0.3, 0.25), place)])
     stepper = Newmark(shell, 0.8, **damping)
-    return stepper, stepper.add(Contact(body, friction))
+    return stepper, stepper.add(Contact(limb, friction))
 
 
 def test_momentum_closes_in_every_step():
