@@ -6,8 +6,10 @@ carries x, and goes straight to x + step. Its step is bounded by planes n . step
 
 - of the closest point at the start of the step, as the surface carries it. Before a convex part of
   the body that is all: the node stays on the near side;
-- where the step that results still ends inside (before a hollow, or between two parts of the
-  body), or a long step meets the surface on its way, of the place where it is met.
+- of the closest point of what faces another way there, if the step can reach it: the other side of
+  a crease, or another part of the body that the node lies between;
+- where the step that results still ends inside, as before a hollow, or a long step meets the
+  surface on its way, of the place where it is met.
 
 A plane may stop what comes towards it and no more, so energy against the surface cannot grow; a
 node that starts inside is moved out at the recovery speed. nearest_step.py finds the step,
@@ -26,7 +28,7 @@ from contact.geometry.triangle_mesh.carried import (
     numbers_of,
     turned_with,
 )
-from contact.geometry.triangle_mesh.closest import closest
+from contact.geometry.triangle_mesh.closest import closest, closest_facing
 from contact.geometry.triangle_mesh.smooth import flat_gap, normal_at, smooth_gap
 from contact.kernel import kernel
 
@@ -39,6 +41,7 @@ ROUNDS = 6  # of planes; what is left inside is moved out in the next steps
 INSIDE = 1e-9  # m: ends less deep than this are no reason for another plane
 CURVED = 1e-3, 1e-6  # nor than this part of the way, up to that many metres
 LONG = 2e-3  # m: a longer way is looked along
+OTHER = 0.5  # cosine between normals of two sides
 LOOKS = 400  # places looked at on a long way, at most
 
 
@@ -96,6 +99,36 @@ def add_plane(
         plane.friction[c] = 0.0
     over[k] = t
     work.count = k + 1
+
+
+@kernel(makes_arrays=False)
+def add_carried(
+    x: np.ndarray,
+    found: tuple,
+    mesh: Any,
+    start: Any,
+    end: Any,
+    owners: np.ndarray,
+    work: Any,
+    planes: np.ndarray,
+    over: np.ndarray,
+) -> float:
+    """Add the plane at a place found at the start, as the surface carries it; its depth [m].
+
+    found : see `gap_at`
+    """
+    t, w1, w2, distance, n0, n1, n2, rounded = found
+    corners, before, after = mesh.triangles, start.vertices, end.vertices
+    b1, b2, h = numbers_of(before, corners, t, x[0], x[1], x[2])
+    u0, u1, u2 = drift(before, after, corners, t, b1, b2, h)
+    if rounded:
+        n0, n1, n2, _ = normal_at(mesh, end, t, w1, w2)
+    else:
+        n0, n1, n2 = turned_with(before, after, corners, t, n0, n1, n2)
+    depth = work.offset - distance
+    height = min(depth, work.recovery)
+    add_plane(x, t, n0, n1, n2, u0, u1, u2, height, depth, owners[t], work, planes, over)
+    return depth
 
 
 @kernel(makes_arrays=False)
@@ -222,28 +255,24 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
         x, v, mass, found, last, smooth, asked, highest, work, mesh, start, end, planes, over,
         stack, bounds, owners, at_vertices,
     ):  # fmt: skip
-        t, w1, w2, distance, n0, n1, n2, rounded = found
         for c in range(3):
             work.free[c] = work.dt * v[c]
         begin_path(work)
-        work.soft = 0
+        work.soft, t = 0, found[0]
         corners, before, after = mesh.triangles, start.vertices, end.vertices
-        b1, b2, h = numbers_of(before, corners, t, x[0], x[1], x[2])
-        u0, u1, u2 = drift(before, after, corners, t, b1, b2, h)
-        if rounded:
-            n0, n1, n2, _ = normal_at(mesh, end, t, w1, w2)
-        else:
-            n0, n1, n2 = turned_with(before, after, corners, t, n0, n1, n2)
-        work.depth = max(0.0, work.offset - distance)
         work.roundoff = 1e-14 * (1e-2 + abs(x[0]) + abs(x[1]) + abs(x[2]))
+        work.depth = max(0.0, add_carried(x, found, mesh, start, end, owners, work, planes, over))
         # what may be left of the depth at the end; `tau` has no other use here
         work.tau = max(0.0, work.depth - work.recovery)
         upward = work.recovery if work.depth > INSIDE else 0.0
-        height = min(work.offset - distance, work.recovery)
-        add_plane(
-            x, t, n0, n1, n2, u0, u1, u2, height, work.offset - distance, owners[t], work, planes,
-            over,
+        way = _length(work.free[0], work.free[1], work.free[2]) + work.motion
+        other, square = closest_facing(
+            mesh, start, x[0], x[1], x[2], asked, found[4], found[5], found[6], OTHER,
+            work.offset + way + work.recovery, stack, bounds,
         )  # fmt: skip
+        if other >= 0:
+            second = gap_at(mesh, start, smooth, asked, other, square, x[0], x[1], x[2])
+            add_carried(x, second, mesh, start, end, owners, work, planes, over)
         for turn in range(ROUNDS):
             push_out(last, work, planes)
             if work.pushing != 0 and work.friction[0] > 0.0:

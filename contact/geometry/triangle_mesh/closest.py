@@ -145,6 +145,56 @@ def _at_vertex(mesh, v, i):
 
 
 @kernel(makes_arrays=False)
+def closest_facing(
+    mesh: Any,
+    placed: Any,
+    x0: float,
+    x1: float,
+    x2: float,
+    asked: int,
+    n0: float,
+    n1: float,
+    n2: float,
+    cosine: float,
+    limit: float,
+    stack: np.ndarray,
+    bounds: np.ndarray,
+) -> tuple[int, float]:
+    """Closest of the triangles that face another way, and the square of its distance [m^2].
+
+    Counted are those within `limit` [m] whose normal makes an angle with n of a cosine below
+    `cosine`; -1 where there is none. asked, stack, bounds : see `closest`
+    """
+    boxes, corners, v = placed.boxes, mesh.in_order, placed.vertices
+    n, leaves, best, least = len(corners), mesh.leaves[0], -1, limit * limit
+    depth, k, bound = 0, 0, _to_box(boxes, 0, x0, x1, x2)
+    while True:
+        if bound <= least * SLACK and mesh.box_sets[k] & asked:
+            if k < leaves - 1:
+                left, right = 2 * k + 1, 2 * k + 2
+                near, far = _to_box(boxes, left, x0, x1, x2), _to_box(boxes, right, x0, x1, x2)
+                if far < near:
+                    left, right, near, far = right, left, far, near
+                stack[depth], bounds[depth] = right, far
+                depth += 1
+                k, bound = left, near
+                continue
+            j = k - (leaves - 1)
+            for place in range(j * n // leaves, (j + 1) * n // leaves):
+                square = on_triangle(v, corners, place, x0, x1, x2)[0]
+                if square <= least:
+                    t = mesh.order[place]
+                    m0, m1, m2, _ = face_normal(v, corners, place)
+                    other = m0 * n0 + m1 * n1 + m2 * n2 < cosine and mesh.sets[t] & asked
+                    if other and (square < least or t < best or best < 0):
+                        best, least = t, square
+        if depth == 0:
+            return best, least
+        depth -= 1
+        k, bound = stack[depth], bounds[depth]
+
+
+@kernel(makes_arrays=False)
 def pseudo_normal(mesh: Any, v: np.ndarray, t: int, where: int) -> tuple[float, float, float]:
     """Pseudo-normal, of no unit length, at a point of triangle t that lies `where`."""
     n0, n1, n2, _ = face_normal(v, mesh.triangles, t)

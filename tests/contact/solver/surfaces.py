@@ -55,3 +55,44 @@ def lump(rng, divisions=4, moving=True):
     return BlendedSurface(
         vertices, triangles, near / near.sum(axis=1, keepdims=True), Body(segments)
     )
+
+
+def tube(radius, length, around, along, axis=2, motion=None, name="tube"):
+    """A cylinder about an axis with flat ends: `around` corners, `along` rings of squares."""
+    angle = 2 * np.pi * np.arange(around) / around
+    heights = length * (np.arange(along + 1) / along - 0.5)
+    ring = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle])
+    points = np.vstack([ring + [0, 0, z] for z in heights] + [[[0, 0, heights[0]]]])
+    points = np.vstack([points, [0, 0, heights[-1]]])
+    k, turn = np.arange(around), (np.arange(around) + 1) % around
+    faces = []
+    for row in range(along):
+        a, b = row * around + k, row * around + turn
+        c, d = a + around, b + around
+        # squares are cut in turn one way and the other: no twist
+        even = (k + row) % 2 == 0
+        faces += [np.column_stack([a, b, np.where(even, d, c)])]
+        faces += [np.column_stack([np.where(even, a, b), d, c])]
+    last = along * around
+    faces += [np.column_stack([turn, k, np.full(around, len(points) - 2)])]
+    faces += [np.column_stack([last + k, last + turn, np.full(around, len(points) - 1)])]
+    points = np.roll(points, (axis + 1) % 3, axis=1)
+    return RigidSurface(points, np.vstack(faces), motion or Fixed(), name)
+
+
+def valley(half_angle, width=0.2, depth=0.1, length=2.0):
+    """A block with a straight valley along x, its bottom the x axis, sides at half_angle to z."""
+    rise = width / np.tan(half_angle)
+    profile = np.array(
+        [[0, 0], [width, rise], [width + 0.05, rise], [width + 0.05, -depth],
+         [-width - 0.05, -depth], [-width - 0.05, rise], [-width, rise]]
+    )  # fmt: skip
+    n = len(profile)
+    points = np.vstack(
+        [np.column_stack([np.full(n, x), profile]) for x in (-length / 2, length / 2)]
+    )
+    k, turn = np.arange(n), (np.arange(n) + 1) % n
+    sides = [np.column_stack([k, turn + n, turn]), np.column_stack([k, k + n, turn + n])]
+    flat = np.array([[0, 1, 3], [1, 2, 3], [0, 3, 4], [0, 4, 6], [4, 5, 6]])
+    faces = np.vstack([*sides, flat, flat[:, ::-1] + n])
+    return RigidSurface(points, faces, Fixed(), "valley")

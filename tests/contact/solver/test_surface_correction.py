@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from contact.body.blended_surface import BlendedSurface
 from contact.body.rigid_surface import RigidSurface
 from contact.body.segments import Body, Fixed, Segment, turned
 from contact.geometry.triangle_mesh.closest import signed_distances
@@ -12,7 +13,7 @@ from contact.geometry.triangle_mesh.sphere import sphere
 from contact.geometry.triangle_mesh.topology import mesh_of
 from contact.solver.surface_correction import SurfaceCorrection
 from tests.contact.solver.bodies import G, energy
-from tests.contact.solver.surfaces import ball, box, lump
+from tests.contact.solver.surfaces import ball, box, lump, valley
 
 
 def distances(surface, t, x):
@@ -313,3 +314,86 @@ def test_restart_continues_bit_for_bit():
         run(again, y, u, 20, 20)
         assert np.array_equal(x, y) and np.array_equal(v, u)
         assert np.array_equal(whole.segment, again.segment)
+
+
+@pytest.mark.parametrize("part", [0.98, 1.05])
+def test_valley_holds_with_the_sum_of_its_sides(part):
+    """Gravity along a straight valley: mu counts 1 / sin(half opening) times; both sides push."""
+    half, mu, dt = 0.7, 0.3, 1e-3
+    angle = np.arctan(part * mu / np.sin(half))
+    gravity = G * np.array([np.sin(angle), 0.0, -np.cos(angle)])
+    correction = SurfaceCorrection(valley(half), 1, friction=mu, offset=1e-3, smooth=False)
+    x, v = np.array([[-0.5, 0.0, 1e-3 / np.sin(half)]]), np.zeros((1, 3))
+    for step in range(500):
+        v += gravity * (dt if step else dt / 2)
+        correction(x, v, np.ones(1), dt, step * dt)
+        x += dt * v
+    assert np.abs(x[0, 1:] - [0.0, 1e-3 / np.sin(half)]).max() < 1e-9
+    assert correction.last.impulse[0, 2] == pytest.approx(G * np.cos(angle) * dt, rel=1e-6)
+    if part < 1:
+        assert abs(x[0, 0] + 0.5) < 1e-9 and correction.sticking == 1
+    else:
+        exact = 0.5 * G * (np.sin(angle) - mu / np.sin(half) * np.cos(angle)) * 0.5**2
+        assert x[0, 0] + 0.5 == pytest.approx(exact, rel=1e-2)
+
+
+def test_node_pushed_across_a_valley_moves_continuously():
+    """Twice as many positions, half the greatest jump of where the step ends."""
+    surface, depth, offset, jumps = valley(0.7), 2e-3, 1e-3, []
+    for count in (200, 400, 800):
+        s = 4 * depth * np.linspace(-1, 1, count)
+        skin = np.abs(s) / np.tan(0.7) + offset / np.sin(0.7)
+        x = np.column_stack([0 * s, s, skin + 1e-4])
+        v = np.zeros_like(x)
+        v[:, 2] = -depth - x[:, 2]
+        correction = SurfaceCorrection(surface, count, offset=offset, smooth=False)
+        correction(x, v, np.ones(count), 1.0, 0.0)
+        end = x + v
+        assert (correction.segment >= 0).all() and not correction.pinched
+        jumps.append(np.abs(np.diff(end, axis=0)).max())
+        assert distances(surface, 0.0, end).min() > offset - 2e-9
+    assert jumps[1] < 0.6 * jumps[0] and jumps[2] < 0.6 * jumps[1]
+
+
+def test_two_parts_that_close_hold_the_node_between_them():
+    """Two blocks of one surface come nearer than two offsets: held and counted, not ejected."""
+    left, right = box([0.05] * 3), box([0.05] * 3)
+    n = left.vertex_count
+    vertices = np.vstack([left.local - [0.054, 0, 0], right.local + [0.054, 0, 0]])
+    triangles = np.vstack([left.triangles, right.triangles + n])
+
+    def side(sign):
+        def pose(t):
+            way = 3e-3 * np.sin(np.pi * min(t, 1.0)) ** 2
+            return np.array([-sign * way, 0, 0]), np.eye(3), np.zeros(3), np.zeros(3)
+
+        return pose
+
+    body = Body([Segment("left", [0.01] * 3, side(-1)), Segment("right", [0.01] * 3, side(1))])
+    weights = np.repeat(np.eye(2), n, axis=0)
+    surface = BlendedSurface(vertices, triangles, weights, body)
+    correction = SurfaceCorrection(surface, 1, friction=0.3, offset=0.002, smooth=False)
+    x, v, dt, mass = np.array([[-0.001, 0.001, 0]]), np.zeros((1, 3)), 1e-3, np.array([1e-3])
+    pinched, fastest = 0, 0.0
+    for step in range(1200):
+        correction(x, v, mass, dt, step * dt)
+        pinched += correction.pinched
+        fastest = max(fastest, np.linalg.norm(v))
+        x += dt * v
+    assert pinched > 100 and fastest < 0.1
+    assert np.linalg.norm(x) < 0.005
+    assert not correction.pinched and distances(surface, 1.2, x).min() > 0.002 - 1e-9
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed(smooth):
+    correction, dt = SurfaceCorrection(ball(0.1, 3), 1, recovery=0.5, smooth=smooth), 1e-3
+    x, v, depths = np.array([[-0.08, 0.003, 0.002]]), np.zeros((1, 3)), []
+    for step in range(100):
+        v[:] = 0
+        correction(x, v, np.ones(1), dt, step * dt)
+        assert np.linalg.norm(v) < 0.5 * (1 + 1e-9)
+        depths.append(correction.max_depth)
+        x += dt * v
+    assert depths[0] == pytest.approx(0.02, abs=2e-3) and depths[-1] < 1e-9
+    assert np.linalg.norm(x) == pytest.approx(0.1, abs=1e-9 if smooth else 2e-3)
