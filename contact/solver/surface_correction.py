@@ -30,6 +30,7 @@ from .surface_step import surface_kernel
 from .velocity_correction import EVERY, LOOKS
 
 JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
+SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
 RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
 
 
@@ -202,7 +203,7 @@ class SurfaceCorrection:
             self._begin(start)
         elif not self.surface.moves:
             return
-        elif start == self._end_time:
+        elif self._end_time is not None and abs(start - self._end_time) < SAME * (end - start):
             self._start, self._end = self._end, self._start
         elif start != self._start_time:
             self._look[3] = -1.0

@@ -28,7 +28,7 @@ from contact.geometry.triangle_mesh.carried import (
     numbers_of,
     turned_with,
 )
-from contact.geometry.triangle_mesh.closest import closest, closest_facing
+from contact.geometry.triangle_mesh.closest import closest, on_triangle
 from contact.geometry.triangle_mesh.smooth import flat_gap, normal_at, smooth_gap
 from contact.kernel import kernel
 
@@ -39,9 +39,9 @@ from .plane_friction import friction_kernel
 PLANES = 8  # of a node, at most
 ROUNDS = 6  # of planes; what is left inside is moved out in the next steps
 INSIDE = 1e-9  # m: ends less deep than this are no reason for another plane
-CURVED = 1e-3, 1e-6  # nor than this part of the way, up to that many metres
+CURVED = 1e-2, 1e-6  # nor than this part of the way, up to that many metres
+SHORT = 2e-5  # m: on a shorter way along one sheet the surface stays under the plane of its start
 LONG = 2e-3  # m: a longer way is looked along
-OTHER = 0.5  # cosine between normals of two sides
 LOOKS = 400  # places looked at on a long way, at most
 
 
@@ -140,6 +140,7 @@ def _length(a0, a1, a2):
 def met_on_way(
     x: np.ndarray,
     smooth: bool,
+    local: bool,
     asked: int,
     guess: int,
     highest: float,
@@ -152,6 +153,9 @@ def met_on_way(
 ) -> tuple[int, float, float, float, float, float]:
     """Where the step as it is so far is inside the surface at its end, or passes into it.
 
+    local : whether nothing but the sheet around triangle `guess` is near; highest : see
+    `surface_node_kernel`
+
     Triangle (-1: nowhere), height [m] of the start over the plane there, its normal, and how deep
     the place is [m].
     """
@@ -160,6 +164,17 @@ def met_on_way(
     p0, p1, p2 = step[0] - u[0], step[1] - u[1], step[2] - u[2]
     way = _length(p0, p1, p2)
     allowed = work.tau + INSIDE + min(CURVED[0] * way, CURVED[1])
+    if local and way <= LONG:
+        if way <= SHORT:
+            return -1, 0.0, 0.0, 0.0, 0.0, 0.0
+        y0, y1, y2 = s0 + p0, s1 + p1, s2 + p2
+        square = on_triangle(end.vertices, mesh.triangles, guess, y0, y1, y2)[0]
+        over, _, _, gap, n0, n1, n2 = smooth_gap(mesh, end, guess, square, y0, y1, y2)
+        gap -= work.offset
+        if over >= 0:
+            if gap >= -allowed:
+                return -1, 0.0, 0.0, 0.0, 0.0, 0.0
+            return over, gap - (n0 * p0 + n1 * p1 + n2 * p2), n0, n1, n2, -gap
     part, outside, before, t = 1.0, 0.0, 1.0, guess
     if way > LONG:
         part, before = 0.0, -1.0
@@ -236,10 +251,12 @@ def book_surface(
 
 @cache
 def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel meet_surface(x, v, mass, found, last, smooth, asked, ...) of a law of friction.
+    """Kernel meet_surface(x, v, mass, found, second, other, local, ...) of a law of friction.
 
     x, v : (3,), position at t [m] and velocity [m/s], unchanged; `work.change` is filled
     found : triangle, b1, b2, distance, normal, smooth or not at the start, see `gap_at`
+    second : the same of what faces another way, if there is `other`
+    local : whether nothing but the sheet found is near
     last : owner touched in the last step; asked : sets of triangles that count
     highest : of the smooth surface over the flat one [m]
     planes (PLANES,) PLANE, over (PLANES,) int, stack, bounds : scratch
@@ -252,8 +269,8 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
 
     @kernel(makes_arrays=False)
     def meet_surface(
-        x, v, mass, found, last, smooth, asked, highest, work, mesh, start, end, planes, over,
-        stack, bounds, owners, at_vertices,
+        x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
+        end, planes, over, stack, bounds, owners, at_vertices,
     ):  # fmt: skip
         for c in range(3):
             work.free[c] = work.dt * v[c]
@@ -265,13 +282,7 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
         # what may be left of the depth at the end; `tau` has no other use here
         work.tau = max(0.0, work.depth - work.recovery)
         upward = work.recovery if work.depth > INSIDE else 0.0
-        way = _length(work.free[0], work.free[1], work.free[2]) + work.motion
-        other, square = closest_facing(
-            mesh, start, x[0], x[1], x[2], asked, found[4], found[5], found[6], OTHER,
-            work.offset + way + work.recovery, stack, bounds,
-        )  # fmt: skip
-        if other >= 0:
-            second = gap_at(mesh, start, smooth, asked, other, square, x[0], x[1], x[2])
+        if other:
             add_carried(x, second, mesh, start, end, owners, work, planes, over)
         for turn in range(ROUNDS):
             push_out(last, work, planes)
@@ -280,7 +291,7 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
             if work.pushing == PINCHED or turn == ROUNDS - 1:
                 break
             met, above, n0, n1, n2, deep = met_on_way(
-                x, smooth, asked, t, highest, work, mesh, end, planes, stack, bounds
+                x, smooth, local, asked, t, highest, work, mesh, end, planes, stack, bounds
             )
             if met < 0:
                 break

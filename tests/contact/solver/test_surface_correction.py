@@ -221,7 +221,7 @@ def test_nothing_in_reach_nothing_evaluated():
 
 
 def test_certificates_change_nothing():
-    """Bit for bit as with every closest point asked anew."""
+    """As with every closest point asked anew, to roundoff."""
     results = []
     for kept in (True, False):
         rng = np.random.default_rng(5)
@@ -238,9 +238,9 @@ def test_certificates_change_nothing():
             asked += correction.evaluated
         results.append((x, v, correction.window.table.copy(), asked))
     (x, v, table, asked), (other_x, other_v, other_table, all_asked) = results
-    assert np.array_equal(x, other_x) and np.array_equal(v, other_v)
-    assert np.array_equal(table, other_table) and table.any()
-    assert asked < 0.7 * all_asked
+    assert np.abs(x - other_x).max() < 1e-12 and np.abs(v - other_v).max() < 1e-10
+    assert table == pytest.approx(other_table, rel=1e-9, abs=1e-12) and table.any()
+    assert asked < 0.4 * all_asked
 
 
 def test_nodes_meet_only_what_they_can_touch():
