@@ -280,7 +280,7 @@ class SurfaceCorrection:
         self.window.clear()
 
     def looks(self) -> tuple[np.ndarray, np.ndarray]:
-        """What steps so far have found, (n, LOOKS), and way [m] and time [s] of the surface.
+        """What steps so far have found, (n, LOOKS); way [m], time [s] and `highest` of the surface.
 
         Whole numbers stand as the floats of the same bits; see `VelocityCorrection.looks`.
         """
@@ -288,17 +288,18 @@ class SurfaceCorrection:
         table = np.zeros((len(self._near), LOOKS))
         table[:, :LOOK] = self._look.T
         table[:, LOOK], table[:, LOOK + 1] = self._sets[1].view(float), self._near.view(float)
-        return table, np.array([self._work["path"], time])
+        return table, np.array([self._work["path"], time, self._highest])
 
     def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
         """Continue from `looks()`."""
         self._look[:] = table[:, :LOOK].T
         self._sets[1] = np.ascontiguousarray(table[:, LOOK]).view(np.int64)
         self._near[:] = np.ascontiguousarray(table[:, LOOK + 1]).view(np.int64)
-        self._work["path"], time = body.tolist()
+        self._work["path"], time, highest = body.tolist()
         if not np.isnan(time):
             if self._mesh is None:
                 self._begin(time)
+            self._highest = highest
             if self.surface.moves:
                 self._place(time, self._end)
             self._end_time = time

@@ -8,6 +8,7 @@ implicit steps refuse them (contact/solver/thin_segments.py).
 `ImplicitContact`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import Any
@@ -37,6 +38,7 @@ class Contact:
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
     surface : SurfaceMotion or None: closed surface of triangles bound to segments of the body,
         which is met instead of their own shapes (explicit steps)
+    shapes : names of segments of the body whose own shapes are met besides the surface
     smooth : bool, whether a surface is met as a smooth one, or as its flat triangles with their
         sharp edges
 
@@ -62,6 +64,7 @@ class Contact:
     recovery: float = 0.1
     surface: SurfaceMotion | None = None
     smooth: bool = True
+    shapes: Sequence[str] = ()
 
     def __post_init__(self):
         if isinstance(self.body, SurfaceMotion) and self.surface is None:
@@ -75,6 +78,11 @@ class Contact:
             raise TypeError(
                 f"the surface of a contact is one as RigidSurface(...) or None, not "
                 f"{self.surface!r}"
+            )
+        if self.shapes and self.surface is None:
+            raise ValueError(
+                "`shapes` of a contact are met besides a surface, which is not given: leave them "
+                "out, all shapes are met"
             )
         as_friction(self.friction)
         for name, value in (("offset", self.offset), ("flesh_stiffness", self.flesh_stiffness)):
@@ -117,7 +125,7 @@ class Contact:
 
         met = ExplicitContact(
             stepper, self.body, self.friction, self.offset, self.samples, self.flesh_stiffness,
-            self.recovery, self.surface, self.smooth,
+            self.recovery, self.surface, self.smooth, self.shapes,
         )  # fmt: skip
         return met.attach(stepper)
 

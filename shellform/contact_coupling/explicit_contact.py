@@ -16,6 +16,7 @@ goes to the support. Nodes held in all three are not met.
 """
 
 import time
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -59,13 +60,14 @@ class ExplicitContact(RunningContact):
     Parameters
     ----------
     stepper : Stepper, explicit
-    body, friction, offset, samples, flesh_stiffness, recovery, surface, smooth : see Contact
+    body, friction, offset, samples, flesh_stiffness, recovery, surface, smooth,
+        shapes : see Contact
 
     Attributes
     ----------
     body, last, window, ... : see RunningContact
-    correction : VelocityCorrection or SurfaceCorrection, with its counters and ledgers, those of
-        samples included
+    correction : VelocityCorrection, SurfaceCorrection or UnionCorrection, with its counters and
+        ledgers, those of samples included
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
     edges : EdgeContact, or None where no segment can pass between nodes
@@ -86,6 +88,7 @@ class ExplicitContact(RunningContact):
         recovery: float,
         surface: SurfaceMotion | None = None,
         smooth: bool = True,
+        shapes: Sequence[str] = (),
     ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
@@ -109,7 +112,7 @@ class ExplicitContact(RunningContact):
 
             self.correction = correction_of(
                 surface, body, n, friction, offset, fixed, recovery, smooth, samples,
-                flesh_stiffness,
+                flesh_stiffness, shapes,
             )  # fmt: skip
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment

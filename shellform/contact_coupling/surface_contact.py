@@ -4,6 +4,7 @@
 The sheet meets the surface at its nodes (contact/solver/surface_correction.py).
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ import numpy as np
 from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.solver.surface_correction import SurfaceCorrection
+from contact.solver.union_correction import UnionCorrection
+from contact.solver.velocity_correction import VelocityCorrection
 
 
 def correction_of(
@@ -24,12 +27,14 @@ def correction_of(
     smooth: bool,
     samples: int | str,
     flesh_stiffness: float | None,
-) -> SurfaceCorrection:
+    shapes: Sequence[str],
+) -> Any:
     """The correction for a contact as described, see `Contact`.
 
     Raises
     ------
-    ValueError for what surfaces of triangles do not know: samples inside cells, and soft flesh
+    ValueError for what surfaces of triangles do not know: samples inside cells, and soft flesh;
+    for shapes without a body that has them
     """
     if samples not in ("nodes", 0):
         raise ValueError(
@@ -41,13 +46,16 @@ def correction_of(
             f"a surface of triangles knows no soft flesh between its parts, as of "
             f"{flesh_stiffness} Pa/m: leave `flesh_stiffness` out"
         )
-    return SurfaceCorrection(
-        surface,
-        nodes,
-        body if isinstance(body, Body) else None,
-        friction,
-        offset,
-        fixed=fixed,
-        recovery=recovery,
-        smooth=smooth,
+    owner = body if isinstance(body, Body) else None
+    skin = SurfaceCorrection(
+        surface, nodes, owner, friction, offset, fixed=fixed, recovery=recovery, smooth=smooth
     )
+    if not shapes:
+        return skin
+    if owner is None:
+        raise ValueError(
+            f"the shapes of {', '.join(shapes)} are those of a body: give it, as "
+            "Contact(body, surface=surface, shapes=...)"
+        )
+    hard = VelocityCorrection(owner, nodes, friction, offset, fixed=fixed, recovery=recovery)
+    return UnionCorrection(hard, skin, shapes)

@@ -19,7 +19,9 @@ G = 9.81
 
 
 # the same bodies of triangles, with a sagitta of 2 mm
-KINDS = pytest.mark.parametrize("kind", ["ellipsoid", "triangles"])
+KINDS = pytest.mark.parametrize(
+    "kind", ["ellipsoid", pytest.param("triangles", marks=pytest.mark.serial)]
+)
 
 
 def sphere(radius=0.25, centre=(0.0, 0.0, -0.25)):

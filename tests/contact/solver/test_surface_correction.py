@@ -6,12 +6,14 @@ import pytest
 
 from contact.body.blended_surface import BlendedSurface
 from contact.body.rigid_surface import RigidSurface
-from contact.body.segments import Body, Fixed, Segment, turned
+from contact.body.segments import Body, Fixed, Segment, Steady, turned
 from contact.geometry.triangle_mesh.closest import signed_distances
 from contact.geometry.triangle_mesh.placed import new_placed, refit
 from contact.geometry.triangle_mesh.sphere import sphere
 from contact.geometry.triangle_mesh.topology import mesh_of
 from contact.solver.surface_correction import SurfaceCorrection
+from contact.solver.union_correction import UnionCorrection
+from contact.solver.velocity_correction import VelocityCorrection
 from tests.contact.solver.bodies import G, energy
 from tests.contact.solver.surfaces import ball, box, lump, valley
 
@@ -67,6 +69,41 @@ def test_momentum_moments_and_energy_close(with_old, smooth):
     assert np.array_equal(correction.window.table, book.table)
     correction.reset()
     assert not correction.window.impulse.any() and not correction.window.table.any()
+
+
+@pytest.mark.parametrize("with_old", [False, True])
+def test_union_with_shapes_closes_momentum_moments_and_energy(with_old):
+    """An ellipsoid through the surface, on a segment of the skin or beside: books add up."""
+    rng = np.random.default_rng(8)
+    surface, dt, t = lump(rng), 2e-3, 0.02
+    own = surface.body.segments
+    motion = Steady([0.0, 0.05, 0.02], velocity=[0.3, 0.1, 0.2], spin=[1.0, -2.0, 3.0])
+    body = Body([Segment("s1", [0.07, 0.05, 0.05], own[1].motion), own[0], own[2],
+                 Segment("cap", [0.06, 0.05, 0.05], motion)])  # fmt: skip
+    x = around(surface, t, rng, 400, -3e-3, 6e-3)
+    mass = rng.uniform(1e-4, 1e-2, len(x))
+    union = UnionCorrection(
+        VelocityCorrection(body, len(x), 0.4, offset=2e-3),
+        SurfaceCorrection(surface, len(x), body, 0.4, offset=2e-3),
+        ["s1", "cap"],
+    )
+    old = 2 * rng.standard_normal(x.shape)
+    free = old + 0.1 * rng.standard_normal(x.shape) if with_old else old
+    v = free.copy()
+    union(x, v, mass, dt, t, old.copy() if with_old else None)
+    book, change = union.last, mass[:, None] * (v - free)
+    assert union.shapes.active > 20 and union.surface.active > 100
+    assert set(union.segment) == {-1, 0, 1, 2, 3}
+    scale = np.abs(change).sum()
+    assert np.abs(book.impulse - change).max() < 1e-14 * scale
+    assert np.abs(book.segment_impulse.sum(axis=0) - change.sum(axis=0)).max() < 1e-13 * scale
+    moment = book.segment_moment + np.cross(union.start_pose.centres, book.segment_impulse)
+    assert np.abs(moment.sum(axis=0) - np.cross(x, change).sum(axis=0)).max() < 1e-13 * scale
+    forces = np.sum(mass[:, None] * (free - old) * (old + v)) / 2
+    booked = book.work.sum() - book.friction_loss.sum() - book.impact_loss.sum()
+    gained = energy(mass, v) - energy(mass, old)
+    assert gained == pytest.approx(forces + booked, abs=1e-12 * energy(mass, old))
+    assert np.array_equal(union.window.table, book.table)
 
 
 def test_virtual_power_of_a_sticking_node_is_that_of_its_segments():
