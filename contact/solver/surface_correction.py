@@ -31,6 +31,7 @@ from .velocity_correction import EVERY, LOOKS
 
 JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
 SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
+GROWN = 1e-3  # m, that boxes are grown before they are fitted anew
 RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
 
 
@@ -183,6 +184,18 @@ class SurfaceCorrection:
         self.surface.positions(t, placed.vertices)
         refit(self._mesh, placed)
 
+    def _go_on(self, end):
+        """Place the end of a step, in the boxes of its start as long as that does; its way [m]."""
+        placed, before = self._end, self._start
+        self.surface.positions(end, placed.vertices)
+        way = greatest_move(before.vertices, placed.vertices)
+        placed.known[:] = False
+        placed.grown[0] = before.grown[0] + way
+        if not placed.grown[0] <= GROWN:
+            refit(self._mesh, placed)
+            before.grown[0] = way
+        return way
+
     def _begin(self, t):
         """Tree and places at the first time."""
         surface = self.surface
@@ -192,7 +205,8 @@ class SurfaceCorrection:
         self._place(t, self._start)
         self._end = self._start
         if surface.moves:
-            self._end = new_placed(self._mesh, surface.vertex_count)
+            boxes = self._start.boxes
+            self._end = new_placed(self._mesh, surface.vertex_count, boxes)
         if self._smooth:
             self._highest = RAISED * most_raised(self._mesh, self._start)
             self._start.known[:] = False
@@ -209,8 +223,7 @@ class SurfaceCorrection:
             self._look[3] = -1.0
             self._place(start, self._start)
         if self.surface.moves:
-            self._place(end, self._end)
-            way = greatest_move(self._start.vertices, self._end.vertices)
+            way = self._go_on(end)
             self._work["motion"] = way
             if not way <= max(JUMP[0], JUMP[1] * (end - start)):
                 names = ", ".join(self.surface.names[:3])
@@ -302,7 +315,7 @@ class SurfaceCorrection:
             self._highest = highest
             if self.surface.moves:
                 self._place(time, self._end)
-            self._end_time = time
+            self._start_time, self._end_time = None, time
 
     def state(self) -> dict[str, np.ndarray]:
         """What the next step needs to know of this one, for `restore` (copies)."""

@@ -60,11 +60,11 @@ def on_triangle(
 
 
 @kernel(makes_arrays=False)
-def _to_box(boxes, k, x0, x1, x2):
-    """Square of the distance of x to a box."""
-    d0 = max(0.0, boxes[k, 0] - x0, x0 - boxes[k, 3])
-    d1 = max(0.0, boxes[k, 1] - x1, x1 - boxes[k, 4])
-    d2 = max(0.0, boxes[k, 2] - x2, x2 - boxes[k, 5])
+def _to_box(boxes, k, grown, x0, x1, x2):
+    """Square of the distance of x to a box that is grown to all sides [m^2]."""
+    d0 = max(0.0, boxes[k, 0] - x0 - grown, x0 - boxes[k, 3] - grown)
+    d1 = max(0.0, boxes[k, 1] - x1 - grown, x1 - boxes[k, 4] - grown)
+    d2 = max(0.0, boxes[k, 2] - x2 - grown, x2 - boxes[k, 5] - grown)
     return d0 * d0 + d1 * d1 + d2 * d2
 
 
@@ -85,17 +85,20 @@ def closest(
     asked : int, sets of triangles that count, see `Mesh`; -1: all
     guess : triangle to be tried first, or -1; stack (STACK,) int, bounds (STACK,) : scratch
     """
-    v, boxes, corners = placed.vertices, placed.boxes, mesh.in_order
+    v, boxes, corners, grown = placed.vertices, placed.boxes, mesh.in_order, placed.grown[0]
     n, leaves, best, least = len(corners), mesh.leaves[0], -1, np.inf
     if guess >= 0 and mesh.sets[guess] & asked:
         best = guess
         least = on_triangle(v, mesh.triangles, guess, x0, x1, x2)[0]
-    depth, k, bound = 0, 0, _to_box(boxes, 0, x0, x1, x2)
+    depth, k, bound = 0, 0, _to_box(boxes, 0, grown, x0, x1, x2)
     while True:
         if bound <= least * SLACK and mesh.box_sets[k] & asked:
             if k < leaves - 1:
                 left, right = 2 * k + 1, 2 * k + 2
-                near, far = _to_box(boxes, left, x0, x1, x2), _to_box(boxes, right, x0, x1, x2)
+                near, far = (
+                    _to_box(boxes, left, grown, x0, x1, x2),
+                    _to_box(boxes, right, grown, x0, x1, x2),
+                )
                 if far < near:
                     left, right, near, far = right, left, far, near
                 stack[depth], bounds[depth] = right, far
@@ -165,14 +168,17 @@ def closest_facing(
     Counted are those within `limit` [m] whose normal makes an angle with n of a cosine below
     `cosine`; -1 where there is none. asked, stack, bounds : see `closest`
     """
-    boxes, corners, v = placed.boxes, mesh.in_order, placed.vertices
+    v, boxes, corners, grown = placed.vertices, placed.boxes, mesh.in_order, placed.grown[0]
     n, leaves, best, least = len(corners), mesh.leaves[0], -1, limit * limit
-    depth, k, bound = 0, 0, _to_box(boxes, 0, x0, x1, x2)
+    depth, k, bound = 0, 0, _to_box(boxes, 0, grown, x0, x1, x2)
     while True:
         if bound <= least * SLACK and mesh.box_sets[k] & asked:
             if k < leaves - 1:
                 left, right = 2 * k + 1, 2 * k + 2
-                near, far = _to_box(boxes, left, x0, x1, x2), _to_box(boxes, right, x0, x1, x2)
+                near, far = (
+                    _to_box(boxes, left, grown, x0, x1, x2),
+                    _to_box(boxes, right, grown, x0, x1, x2),
+                )
                 if far < near:
                     left, right, near, far = right, left, far, near
                 stack[depth], bounds[depth] = right, far

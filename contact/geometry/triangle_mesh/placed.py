@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A closed surface of triangles in one place: vertices, boxes of the tree, smooth normals.
 
-Boxes are refitted from the leaves up whenever vertices have moved. Normals of vertices are found
-when they are first asked for: with the edges e_k from the vertex to its neighbours in turn,
+Boxes are refitted from the leaves up. Several placings may share them: a box holds its triangles
+wherever no vertex is farther from where it was than the box is grown for.
+
+Normals of vertices are found when they are first asked for: with the edges e_k from the vertex to
+its neighbours in turn,
 
     n = sum_k e_k x e_k+1 / (|e_k|^2 |e_k+1|^2),
 
@@ -19,24 +22,27 @@ from .topology import Mesh
 
 
 class Placed(NamedTuple):
-    """vertices (nv, 3) [m]; boxes (2 L - 1, 6), lower and upper corners [m]; normals (nv, 3) of
-    vertices, those that are known (nv,) bool."""
+    """vertices (nv, 3) [m]; boxes (2 L - 1, 6), lower and upper corners [m], and how far they are
+    to be grown (1,) [m]; normals (nv, 3) of vertices, those that are known (nv,) bool."""
 
     vertices: np.ndarray
     boxes: np.ndarray
+    grown: np.ndarray
     normals: np.ndarray
     known: np.ndarray
 
 
-def new_placed(mesh: Mesh, count: int) -> Placed:
-    """Arrays for `count` vertices, without any places."""
-    boxes = np.zeros((2 * int(mesh.leaves[0]) - 1, 6))
-    return Placed(np.zeros((count, 3)), boxes, np.zeros((count, 3)), np.zeros(count, np.bool_))
+def new_placed(mesh: Mesh, count: int, boxes: np.ndarray | None = None) -> Placed:
+    """Arrays for `count` vertices, without any places; boxes : those of another, to be shared."""
+    if boxes is None:
+        boxes = np.zeros((2 * int(mesh.leaves[0]) - 1, 6))
+    known = np.zeros(count, np.bool_)
+    return Placed(np.zeros((count, 3)), boxes, np.zeros(1), np.zeros((count, 3)), known)
 
 
 @kernel(makes_arrays=False)
 def refit(mesh: Any, placed: Any) -> None:
-    """Boxes of the tree from the vertices; normals are forgotten."""
+    """Boxes of the tree from the vertices, not grown; normals are forgotten."""
     boxes, v, corners = placed.boxes, placed.vertices, mesh.in_order
     n, leaves, end = len(corners), mesh.leaves[0], 0
     for j in range(leaves):
@@ -57,6 +63,7 @@ def refit(mesh: Any, placed: Any) -> None:
         for c in range(3):
             boxes[k, c] = min(boxes[2 * k + 1, c], boxes[2 * k + 2, c])
             boxes[k, 3 + c] = max(boxes[2 * k + 1, 3 + c], boxes[2 * k + 2, 3 + c])
+    placed.grown[0] = 0.0
     for i in range(len(placed.known)):
         placed.known[i] = False
 

@@ -30,6 +30,7 @@ from .placed import know_normal
 WALKS = 12  # triangles looked at
 OUTSIDE = 1e-10  # of a weight, below zero
 MOST = 3.0  # flat distances that the place found may be away
+NEWTON = 1e-10  # m
 TOUCHING = 1e-7  # m: below it the direction to the closest point has no digits left
 
 
@@ -58,7 +59,7 @@ def _place(v, normals, corners, t, x0, x1, x2):
         slope = p1 + z * (2.0 * p2 + 3.0 * z * p3)
         change = (p0 + z * (p1 + z * (p2 + z * p3))) / slope
         z -= change
-        if abs(change) <= 1e-15 * abs(z) or abs(change) < 1e-17:
+        if abs(change) < NEWTON:  # its square over a radius of curvature is left
             break
     f0, f1, f2 = f0 + z * (g0 + z * h0), f1 + z * (g1 + z * h1), f2 + z * (g2 + z * h2)
     a0, a1, a2 = a0 + z * d0, a1 + z * d1, a2 + z * d2
