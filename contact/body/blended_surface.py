@@ -107,12 +107,28 @@ class BlendedSurface:
     weights : (nv, m) float, of every segment of the body; not negative, with sums of one
     body : Body
     time : float [s]
+    name : str, for messages
 
     Raises
     ------
     ValueError
         For a surface that is none, see `contact.geometry.triangle_mesh.closed`, and for weights
         of a wrong shape, negative ones or sums other than one.
+
+    Examples
+    --------
+    >>> import shellform as sf
+    >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    >>> triangles = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+    >>> rising = lambda t: ((0.0, 0.0, t), np.eye(3), (0.0, 0.0, 1.0), np.zeros(3))
+    >>> body = sf.Body(
+    ...     [sf.Segment("a", [0.1] * 3, sf.Fixed()), sf.Segment("b", [0.1] * 3, rising)]
+    ... )
+    >>> weights = [(1, 0), (1, 0), (1, 0), (0.5, 0.5)]
+    >>> skin = sf.BlendedSurface(corners, triangles, weights, body)
+    >>> skin.positions(0.2, np.empty((4, 3)))[3].tolist()
+    [0.0, 0.0, 1.1]
+    >>> contact = sf.Contact(body, surface=skin)
     """
 
     def __init__(

@@ -62,13 +62,13 @@ class RigidSurface:
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from contact.body.segments import Fixed
-    >>> from contact.geometry.triangle_mesh.sphere import sphere
-    >>> ball = RigidSurface(*sphere(0.1, 2), Fixed((0.0, 0.0, 1.0)), "ball")
-    >>> x = ball.positions(0.0, np.empty((ball.vertex_count, 3)))
-    >>> x.mean(axis=0).round(9).tolist()
-    [0.0, 0.0, 1.0]
+    >>> import shellform as sf
+    >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    >>> triangles = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+    >>> wedge = sf.RigidSurface(corners, triangles, sf.Fixed((0.0, 0.0, -1.0)), "wedge")
+    >>> contact = sf.Contact(wedge, smooth=False)
+    >>> wedge.positions(0.0, np.empty((4, 3)))[3].tolist()
+    [0.0, 0.0, 0.0]
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike, motion: Any, name: str):

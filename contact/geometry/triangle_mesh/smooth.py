@@ -72,15 +72,19 @@ def _place(v, normals, corners, t, x0, x1, x2):
 
 
 @kernel(makes_arrays=False)
-def normal_at(
-    mesh: Any, placed: Any, t: int, b1: float, b2: float
-) -> tuple[float, float, float, float]:
-    """Unit normal of the smooth surface over a place of triangle t, and |N|."""
-    i, j, k = mesh.triangles[t, 0], mesh.triangles[t, 1], mesh.triangles[t, 2]
-    know_normal(mesh, placed, i)
-    know_normal(mesh, placed, j)
-    know_normal(mesh, placed, k)
-    m, b0 = placed.normals, 1.0 - b1 - b2
+def know_three(mesh: Any, placed: Any, t: int) -> None:
+    """Fill the normals of the corners of triangle t that are not known."""
+    corners, known = mesh.triangles, placed.known
+    # asked here: a call that hands over all arrays costs more than the rest
+    if not (known[corners[t, 0]] and known[corners[t, 1]] and known[corners[t, 2]]):
+        for k in range(3):
+            know_normal(mesh, placed, corners[t, k])
+
+
+@kernel(makes_arrays=False)
+def _normal(m, corners, t, b1, b2):
+    """N/|N| and |N| at a place of triangle t, from known normals of vertices (nv, 3)."""
+    i, j, k, b0 = corners[t, 0], corners[t, 1], corners[t, 2], 1.0 - b1 - b2
     n0 = b0 * m[i, 0] + b1 * m[j, 0] + b2 * m[k, 0]
     n1 = b0 * m[i, 1] + b1 * m[j, 1] + b2 * m[k, 1]
     n2 = b0 * m[i, 2] + b1 * m[j, 2] + b2 * m[k, 2]
@@ -89,24 +93,32 @@ def normal_at(
 
 
 @kernel(makes_arrays=False)
-def _slopes(v, m, i, j):
-    """a_ij and a_ji [m]."""
-    one = other = 0.0
-    for c in range(3):
-        way = v[i, c] - v[j, c]
-        one += way * m[i, c]
-        other -= way * m[j, c]
-    return one, other
+def normal_at(
+    mesh: Any, placed: Any, t: int, b1: float, b2: float
+) -> tuple[float, float, float, float]:
+    """Unit normal of the smooth surface over a place of triangle t, and |N|."""
+    know_three(mesh, placed, t)
+    return _normal(placed.normals, mesh.triangles, t, b1, b2)
 
 
 @kernel(makes_arrays=False)
-def raised(mesh: Any, placed: Any, t: int, b1: float, b2: float, size: float) -> float:
+def _slopes(v, m, i, j):
+    """a_ij and a_ji [m]."""
+    w0, w1, w2 = v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2]
+    one = w0 * m[i, 0] + w1 * m[i, 1] + w2 * m[i, 2]
+    return one, -(w0 * m[j, 0] + w1 * m[j, 1] + w2 * m[j, 2])
+
+
+@kernel(makes_arrays=False)
+def _raised(v, m, corners, t, b1, b2, size):
     """s [m] at a place of triangle t with |N| = size."""
-    v, m, total = placed.vertices, placed.normals, 0.0
-    i, j, k, b0 = mesh.triangles[t, 0], mesh.triangles[t, 1], mesh.triangles[t, 2], 1.0 - b1 - b2
-    for p, q, b, c in ((i, j, b0, b1), (j, k, b1, b2), (k, i, b2, b0)):
-        one, other = _slopes(v, m, p, q)
-        total += b * c * (one + other + (one - other) * (b - c))
+    i, j, k, b0 = corners[t, 0], corners[t, 1], corners[t, 2], 1.0 - b1 - b2
+    one, other = _slopes(v, m, i, j)
+    total = b0 * b1 * (one + other + (one - other) * (b0 - b1))
+    one, other = _slopes(v, m, j, k)
+    total += b1 * b2 * (one + other + (one - other) * (b1 - b2))
+    one, other = _slopes(v, m, k, i)
+    total += b2 * b0 * (one + other + (one - other) * (b2 - b0))
     return total / (1.0 + size)
 
 
@@ -115,8 +127,7 @@ def most_raised(mesh: Any, placed: Any) -> float:
     """About the greatest s [m] anywhere, rather more than less."""
     most = 0.0
     for t in range(len(mesh.triangles)):
-        for k in range(3):
-            know_normal(mesh, placed, mesh.triangles[t, k])
+        know_three(mesh, placed, t)
         for k in range(3):
             i, j = mesh.triangles[t, k], mesh.triangles[t, (k + 1) % 3]
             one, other = _slopes(placed.vertices, placed.normals, i, j)
@@ -136,8 +147,7 @@ def smooth_gap(
     limit = MOST * np.sqrt(square) + TOUCHING
     came_from = -1
     for _ in range(WALKS):
-        for k in range(3):
-            know_normal(mesh, placed, corners[t, k])
+        know_three(mesh, placed, t)
         z, b1, b2 = _place(v, placed.normals, corners, t, x0, x1, x2)
         if not abs(z) <= limit:
             return -1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -149,8 +159,8 @@ def smooth_gap(
         if edge < 0:
             if min(b0, b1, b2) < -1e-6:  # between two prisms that each say the other
                 return -1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            n0, n1, n2, size = normal_at(mesh, placed, t, b1, b2)
-            gap = z * size - raised(mesh, placed, t, b1, b2, size)
+            n0, n1, n2, size = _normal(placed.normals, corners, t, b1, b2)
+            gap = z * size - _raised(v, placed.normals, corners, t, b1, b2, size)
             return t, b1, b2, gap, n0, n1, n2
         came_from, t = t, mesh.neighbours[t, edge]
     return -1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
