@@ -19,7 +19,9 @@ from .all_ranks import watch_exceptions
 from .launcher import refuse_another
 
 if TYPE_CHECKING:
+    from contact.body.blended_surface import BlendedSurface
     from contact.body.flesh import Flesh
+    from contact.body.rigid_surface import RigidSurface
     from contact.body.segments import Body, Fixed, Segment
     from contact.solver.friction import Friction
     from meshes import MeshError
@@ -66,6 +68,8 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     # bodies and contact
     "Body",
     "Segment",
+    "RigidSurface",
+    "BlendedSurface",
     "Fixed",
     "Flesh",
     "Friction",
@@ -93,6 +97,7 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
 ]
 
 _HOMES = {
+    "BlendedSurface": "contact.body.blended_surface",
     "Body": "contact.body.segments",
     "CompilerError": "shellform.errors",
     "Contact": "shellform.contact_coupling.contact",
@@ -108,6 +113,7 @@ _HOMES = {
     "NotConverged": "shellform.errors",
     "Particles": "shellform.dynamics.mass_spring",
     "Ply": "shellform.material.laminate",
+    "RigidSurface": "contact.body.rigid_surface",
     "Scene": "shellform.scene.scene",
     "Segment": "contact.body.segments",
     "Shell": "shellform.fem.shell",

@@ -53,10 +53,11 @@ def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None
     """Set this rank's part of what `saved` gave, read from the file `path`."""
     shell, window = contact.stepper.shell, contact.window
     partition, nodes = shell.partition, shell.partition.owned_nodes
-    if state["look"].shape[1] != LOOKS:
+    width = contact.correction.looks()[0].shape[1]
+    if state["look"].shape[1] != width:
         raise ValueError(
-            f"{path} holds {state['look'].shape[1]} numbers a node of contact, not {LOOKS}: it is "
-            "of another version, start anew"
+            f"{path} holds {state['look'].shape[1]} numbers a node of contact, not {width}: it is "
+            "of another version or of a body of another kind, start anew"
         )
     _set(contact.correction, state["segment"][nodes])
     contact.correction.take_looks(state["look"][nodes], state["look_body"])

@@ -16,6 +16,7 @@ goes to the support. Nodes held in all three are not met.
 """
 
 import time
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ import numpy as np
 
 from contact.body.flesh import Flesh
 from contact.body.segments import Body
+from contact.body.surface_motion import SurfaceMotion
 from contact.kernel import kernel
 from contact.solver.cell_samples import (
     collect,
@@ -54,18 +56,26 @@ def positions(points: np.ndarray, owned: np.ndarray, x: np.ndarray) -> None:
         x[i, 2] = points[i, 2] + owned[i, 2]
 
 
+def thin_to(cloth: Any, body: Body, offset: float) -> list[int]:
+    """Numbers of the segments of a body that pass between nodes of a sheet's surface."""
+    span = spans(cloth.points, straight_cells(cloth.cells)).max()
+    return thin_segments(body.shapes, span, offset)
+
+
 class ExplicitContact(RunningContact):
     """Contact of a sheet with a body in explicit steps; `stepper.add(Contact(body))` makes it.
 
     Parameters
     ----------
     stepper : Stepper, explicit
-    body, friction, offset, samples, flesh_stiffness, recovery, flesh : see Contact
+    body, friction, offset, samples, flesh_stiffness, recovery, flesh, surface, smooth,
+        shapes : see Contact
 
     Attributes
     ----------
     body, last, window, ... : see RunningContact
-    correction : VelocityCorrection, with its counters and ledgers, those of samples included
+    correction : VelocityCorrection, SurfaceCorrection or UnionCorrection, with its counters and
+        ledgers, those of samples included
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
     edges : EdgeContact, or None where no segment can pass between nodes
@@ -78,13 +88,16 @@ class ExplicitContact(RunningContact):
     def __init__(
         self,
         stepper: Any,
-        body: Body,
+        body: Any,
         friction: Any,
         offset: float | None,
         samples: int | str,
         flesh_stiffness: float | None,
         recovery: float,
         flesh: Flesh | None = None,
+        surface: SurfaceMotion | None = None,
+        smooth: bool = True,
+        shapes: Sequence[str] = (),
     ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
@@ -94,36 +107,48 @@ class ExplicitContact(RunningContact):
         areal = stepper.shell.fabric.areal_mass
         self._flesh = flesh_stiffness or np.inf
         self.watches_beds = False
-        surface = stepper.shell.surface
-        span = spans(surface.points, straight_cells(surface.cells)).max()
-        thin = thin_segments(body.shapes, span, offset)
+        thin = [] if surface is not None else thin_to(stepper.shell.surface, body, offset)
         self._how: dict[str, Any] = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
-        correct: type[VelocityCorrection] = VelocityCorrection
         self.flesh = flesh
-        if flesh is not None:
+        self.correction: Any
+        if surface is not None:
+            # its kernels are loaded for surfaces only
+            from .surface_contact import correction_of
+
+            self.correction = correction_of(
+                surface, body, n, friction, offset, fixed, recovery, smooth, samples,
+                flesh_stiffness, shapes,
+            )  # fmt: skip
+        elif flesh is not None:
             # its kernels are loaded for flesh only
             from contact.solver.flesh_correction import FleshCorrection
 
-            correct = FleshCorrection
-            self._how |= {"flesh": flesh, "areal_mass": areal, "hard": thin}
-        self.correction = correct(body, n, friction, offset, fixed=fixed, **self._how)
+            self.correction = FleshCorrection(
+                body, n, friction, offset, fixed=fixed, flesh=flesh, areal_mass=areal, hard=thin,
+                **self._how,
+            )  # fmt: skip
+        else:
+            self.correction = VelocityCorrection(
+                body, n, friction, offset, fixed=fixed, **self._how
+            )
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self._free = np.empty_like(stepper.v)
         self.inner = None
         k: Any = 0 if samples == "nodes" else samples
+        self.edges = self.pressed = None
+        if surface is not None:
+            return
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
-        self.edges = None
         if thin:
             # its kernels are loaded for thin segments only
             from .edge_contact import EdgeContact
 
             self.edges = EdgeContact(stepper, self.correction, offset, recovery)
-        self.pressed = None
         if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
             self.pressed = PressedCells(stepper)
 
