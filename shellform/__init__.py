@@ -20,7 +20,7 @@ from .launcher import refuse_another
 
 if TYPE_CHECKING:
     from contact.body.blended_surface import BlendedSurface
-    from contact.body.flesh import Flesh
+    from contact.body.flesh_bed import Flesh
     from contact.body.rigid_surface import RigidSurface
     from contact.body.segments import Body, Fixed, Segment
     from contact.solver.friction import Friction
@@ -104,7 +104,7 @@ _HOMES = {
     "Fabric": "shellform.material.fabric",
     "FabricError": "shellform.material.fabric",
     "Fixed": "contact.body.segments",
-    "Flesh": "contact.body.flesh",
+    "Flesh": "contact.body.flesh_bed",
     "Friction": "contact.solver.friction",
     "ImplicitNewmark": "shellform.dynamics.implicit",
     "Ledger": "shellform.results.ledger",

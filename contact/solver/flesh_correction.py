@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.body.flesh import HARD, Flesh
+from contact.body.flesh_bed import HARD, Flesh
 from contact.body.segments import Body
 
 from .flesh_step import SIDE, flesh_kernel

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """One step of contact with a body whose flesh gives way, Eqs. 15 and 16 with a bed in series.
 
-The bed (contact/body/flesh.py) has no mass, so it presses with what the cloth presses. With the
+The bed (contact/body/flesh_bed.py) has no mass, so it presses with what the cloth presses. With the
 free step s_f, the way u of the surface, the depth d of the start and the areal mass rho of the
 cloth, a push s along the normal n leaves the depth
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.body.flesh import Flesh
+from contact.body.flesh_bed import Flesh
 from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.solver.friction import as_friction
@@ -36,7 +36,7 @@ class Contact:
         steps)
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
         each other (explicit steps, contact/solver/soft_contact.py); None: hard
-    flesh : Flesh or None: of the body everywhere (explicit steps, contact/body/flesh.py)
+    flesh : Flesh or None: of the body everywhere (explicit steps, contact/body/flesh_bed.py)
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
     surface : SurfaceMotion or None: closed surface of triangles bound to segments of the body,
         which is met instead of their own shapes (explicit steps)

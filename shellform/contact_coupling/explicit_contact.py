@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.body.flesh import Flesh
+from contact.body.flesh_bed import Flesh
 from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.kernel import kernel

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Flesh of a scene: `contact.flesh_bed`, alike everywhere or by segments, contact/body/flesh.py."""
+"""Flesh of a scene, `contact.flesh_bed`: everywhere or by segments, contact/body/flesh_bed.py."""
 
 from collections.abc import Iterable
 
-from contact.body.flesh import Flesh
+from contact.body.flesh_bed import Flesh
 
 from .scene import Scene
 

@@ -44,7 +44,7 @@ def test_a_sleeve_on_a_soft_cylinder(k):
     def tension(r):  # pushed forward from the second Piola-Kirchhoff stress
         return 1e3 * 0.5 * ((r / rest) ** 2 - 1) * r / rest
 
-    # on areas at rest, see contact/body/flesh.py
+    # on areas at rest, see contact/body/flesh_bed.py
     depth = brentq(lambda d: k * d * rest - tension(radius - d), 0.0, radius - rest)
     assert depth > 1e-4
     radii = np.hypot(*shell.positions()[:, :2].T)

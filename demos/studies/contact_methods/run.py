@@ -2,7 +2,7 @@
 r"""Contact by impulses that let nothing in, and by penalties, in explicit steps, side by side.
 
 The paper's Sec. 3.2 reviews penalties (Hallquist's slidelines) and augmented Lagrangians (Simo and
-Laursen). A penalty of k [Pa/m] is a bed of that stiffness under the skin (contact/body/flesh.py).
+Laursen). A penalty of k [Pa/m] is a bed of that stiffness under the skin (flesh_bed.py of contact).
 Three scenes with exact answers:
 
     capstan   T2/T1 = exp(mu phi) of a belt drawn over a cylinder

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from contact.body.flesh import HARD, Flesh
+from contact.body.flesh_bed import HARD, Flesh
 from contact.body.segments import Body, Fixed, Segment
 from contact.solver.flesh_correction import FleshCorrection
 from contact.solver.velocity_correction import VelocityCorrection
