@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from .bench.run import fabric_tests
     from .contact_coupling.contact import Contact
+    from .contact_coupling.self_contact import SelfContact
     from .dynamics.explicit import Newmark
     from .dynamics.implicit import ImplicitNewmark
     from .dynamics.mass_spring import Particles
@@ -68,6 +69,7 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     "Fixed",
     "Friction",
     "Contact",
+    "SelfContact",
     # the moving wearer
     "read_motion",
     "synthetic_walk",
@@ -107,6 +109,7 @@ _HOMES = {
     "Ply": "shellform.material.laminate",
     "Scene": "shellform.scene.scene",
     "Segment": "contact.body.segments",
+    "SelfContact": "shellform.contact_coupling.self_contact",
     "Shell": "shellform.fem.shell",
     "Statics": "shellform.statics.load_stepping",
     "Stopped": "shellform.errors",

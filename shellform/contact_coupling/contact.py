@@ -18,6 +18,8 @@ from contact.body.segments import Body
 from contact.solver.friction import as_friction
 from shellform.dynamics.part import RunningContact
 
+from .self_contact import SelfContact, refuse_implicit
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -33,6 +35,8 @@ class Contact:
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
         each other (explicit steps, contact/solver/soft_contact.py); None: hard
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
+    self_contact : whether the sheet meets itself too, with the same friction, or a SelfContact
+        (explicit steps)
 
     Examples
     --------
@@ -54,6 +58,7 @@ class Contact:
     samples: int | str = "nodes"
     flesh_stiffness: float | None = None
     recovery: float = 0.1
+    self_contact: bool | SelfContact = False
 
     def __post_init__(self):
         if not isinstance(self.body, Body):
@@ -66,6 +71,10 @@ class Contact:
                 raise ValueError(f"{name} of a contact is a finite number >= 0, not {value!r}")
         if not (isinstance(self.recovery, Real) and self.recovery > 0):
             raise ValueError(f"the recovery speed is positive, in m/s, not {self.recovery!r}")
+        if not isinstance(self.self_contact, bool | SelfContact):
+            raise ValueError(
+                f"self_contact is True, False or a SelfContact, not {self.self_contact!r}"
+            )
 
     def attach(self, stepper: Any) -> RunningContact:
         """The running contact of a stepper.
@@ -77,6 +86,8 @@ class Contact:
         can pass between nodes
         """
         # each kind of contact is loaded with the steps that need it
+        if self.self_contact:
+            refuse_implicit(stepper)
         if stepper.implicit:
             if self.samples not in ("nodes", 0):
                 raise ValueError(
@@ -94,9 +105,10 @@ class Contact:
             return running.attach(stepper)
         from .explicit_contact import ExplicitContact
 
+        itself = self.self_contact
         met = ExplicitContact(
             stepper, self.body, self.friction, self.offset, self.samples, self.flesh_stiffness,
-            self.recovery,
+            self.recovery, SelfContact(self.friction) if itself is True else itself or None,
         )  # fmt: skip
         return met.attach(stepper)
 

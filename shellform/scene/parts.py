@@ -103,7 +103,8 @@ class Contact:
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
-    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`.
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`;
+    self_contact : whether cloth meets cloth too, with the same friction.
 
     Examples
     --------
@@ -115,6 +116,7 @@ class Contact:
     kinetic_friction: float | None = None
     offset: float | None = with_unit(None, "m")
     flesh_stiffness: float = with_unit(2e5, "Pa/m")
+    self_contact: bool = False
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,7 @@ class Model:
                 contact.friction if kinetic is None else (contact.friction, kinetic),
                 contact.offset,
                 flesh_stiffness=contact.flesh_stiffness,
+                self_contact=contact.self_contact,
             )
         )
         running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]

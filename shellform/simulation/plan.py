@@ -7,6 +7,7 @@ and not in the run either:
 element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
+self_contact      where cloth meets cloth
 fabric            its name, what of it is estimated and what measured, where the card says so
 wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is reported
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
@@ -71,6 +72,8 @@ def plan_of(
     if contact.friction:
         kinetic = contact.kinetic_friction
         plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]
+    if contact.self_contact:
+        plan["self_contact"] = True
     if len(near) > 1:
         soft = contact.flesh_stiffness
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
@@ -105,7 +108,8 @@ def plan_lines(plan: dict) -> list[str]:
                 lines.append(f"           {name.replace('_', ' ')}: {value}")
         if "friction" not in plan:
             lines.append("           no friction")
-        lines.append("           no contact of cloth with cloth")
+        itself = "cloth meets cloth" if "self_contact" in plan else "no contact of cloth with cloth"
+        lines.append(f"           {itself}")
     else:
         lines.append("contact    none")
     if "dressing" in plan:

@@ -34,7 +34,9 @@ OTHER = Scene(
         kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
         max_elongation=0.3, wrinkles="resolved",
     ),
-    contact=Contact(friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5),
+    contact=Contact(
+        friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5, self_contact=True
+    ),
     steps=Steps(
         accuracy="2.5%", time_step_factor=0.5, damping=1e-6, drag=1.0, dressing="particles", runs=5
     ),
