@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from .bench.run import fabric_tests
     from .contact_coupling.contact import Contact
+    from .contact_coupling.self_contact import SelfContact
     from .dynamics.explicit import Newmark
     from .dynamics.implicit import ImplicitNewmark
     from .dynamics.mass_spring import Particles
@@ -74,6 +75,7 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     "Flesh",
     "Friction",
     "Contact",
+    "SelfContact",
     # the moving wearer
     "read_motion",
     "synthetic_walk",
@@ -116,6 +118,7 @@ _HOMES = {
     "RigidSurface": "contact.body.rigid_surface",
     "Scene": "shellform.scene.scene",
     "Segment": "contact.body.segments",
+    "SelfContact": "shellform.contact_coupling.self_contact",
     "Shell": "shellform.fem.shell",
     "Statics": "shellform.statics.load_stepping",
     "Stopped": "shellform.errors",

@@ -21,6 +21,8 @@ from contact.body.surface_motion import SurfaceMotion
 from contact.solver.friction import as_friction
 from shellform.dynamics.part import RunningContact
 
+from .self_contact import SelfContact, refuse_implicit
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -43,6 +45,8 @@ class Contact:
     shapes : names of segments of the body whose own shapes are met besides the surface
     smooth : bool, whether a surface is met as a smooth one, or as its flat triangles with their
         sharp edges
+    self_contact : whether the sheet meets itself too, with the same friction, or a SelfContact
+        (explicit steps)
 
     Examples
     --------
@@ -68,6 +72,7 @@ class Contact:
     surface: SurfaceMotion | None = None
     smooth: bool = True
     shapes: Sequence[str] = ()
+    self_contact: bool | SelfContact = False
 
     def __post_init__(self):
         if isinstance(self.body, SurfaceMotion) and self.surface is None:
@@ -104,6 +109,10 @@ class Contact:
             self.flesh.beds(self.body.names)
         if not (isinstance(self.recovery, Real) and self.recovery > 0):
             raise ValueError(f"the recovery speed is positive, in m/s, not {self.recovery!r}")
+        if not isinstance(self.self_contact, bool | SelfContact):
+            raise ValueError(
+                f"self_contact is True, False or a SelfContact, not {self.self_contact!r}"
+            )
 
     def attach(self, stepper: Any) -> RunningContact:
         """The running contact of a stepper.
@@ -115,6 +124,8 @@ class Contact:
         can pass between nodes
         """
         # each kind of contact is loaded with the steps that need it
+        if self.self_contact:
+            refuse_implicit(stepper)
         if stepper.implicit:
             if self.samples not in ("nodes", 0):
                 raise ValueError(
@@ -139,9 +150,11 @@ class Contact:
             return running.attach(stepper)
         from .explicit_contact import ExplicitContact
 
+        itself = self.self_contact
         met = ExplicitContact(
             stepper, self.body, self.friction, self.offset, self.samples, self.flesh_stiffness,
             self.recovery, self.flesh, self.surface, self.smooth, self.shapes,
+            SelfContact(self.friction) if itself is True else itself or None,
         )  # fmt: skip
         return met.attach(stepper)
 

@@ -19,7 +19,7 @@ import time
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -70,6 +70,7 @@ class ExplicitContact(RunningContact):
     stepper : Stepper, explicit
     body, friction, offset, samples, flesh_stiffness, recovery, flesh, surface, smooth,
         shapes : see Contact
+    self_contact : SelfContact or None
 
     Attributes
     ----------
@@ -79,6 +80,7 @@ class ExplicitContact(RunningContact):
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
     edges : EdgeContact, or None where no segment can pass between nodes
+    cloth : ExplicitSelfContact, or None where the sheet does not meet itself
 
     Raises
     ------
@@ -98,6 +100,7 @@ class ExplicitContact(RunningContact):
         surface: SurfaceMotion | None = None,
         smooth: bool = True,
         shapes: Sequence[str] = (),
+        self_contact: Any = None,
     ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
@@ -140,6 +143,12 @@ class ExplicitContact(RunningContact):
         self.inner = None
         k: Any = 0 if samples == "nodes" else samples
         self.edges = self.pressed = None
+        self.cloth = None
+        if self_contact is not None:
+            # only here: its kernels are loaded for those who ask for it
+            from .explicit_self_contact import ExplicitSelfContact
+
+            self.cloth = ExplicitSelfContact(stepper, self_contact)
         if surface is not None:
             return
         if k != 0:
@@ -151,6 +160,17 @@ class ExplicitContact(RunningContact):
             self.edges = EdgeContact(stepper, self.correction, offset, recovery)
         if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
             self.pressed = PressedCells(stepper)
+
+    def attach(self, stepper: Any) -> Self:
+        """Start to meet the sheet of a stepper; returns self."""
+        if self.cloth is not None:
+            self.cloth.join(stepper)
+        elif stepper.self_contact is not None:
+            raise ValueError(
+                "the cloth of this stepper meets itself already: both go together, say "
+                "Contact(body, self_contact=True) alone"
+            )
+        return super().attach(stepper)
 
     @property
     def active(self) -> int:
@@ -227,6 +247,9 @@ class ExplicitContact(RunningContact):
         start = time.perf_counter()
         v, last = stepper.v, self.correction.last
         positions(stepper.points, stepper.owned, self._x)
+        layers = False
+        if self.cloth is not None:
+            layers = self.cloth.push(stepper, self._x, dt, self.correction)
         if self.inner is not None or self.edges is not None:
             np.copyto(self._free, v)
         self.correction(self._x, v, stepper.mass, dt, stepper.time, v_old=stepper.v_old)
@@ -240,6 +263,8 @@ class ExplicitContact(RunningContact):
             work = self.pressed.look(stepper, self.bed_stiffness)
             for ledger in (last, self.window):
                 ledger.table[0, WORK] += work
+        if layers and self.cloth is not None:
+            self.cloth.book(stepper)
         self.seconds += time.perf_counter() - start
 
     def _give_back(self, stepper, impulse, book=False):
@@ -321,17 +346,20 @@ class ExplicitContact(RunningContact):
 
     def state(self) -> Any:
         """What is touched and what the window holds, for `restore` (copies)."""
-        window = self.window
-        return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds
+        window, cloth = self.window, None if self.cloth is None else self.cloth.state()
+        return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds, cloth
 
     def restore(self, state: Any) -> None:
         """Continue from `state()`."""
-        touched, self.window.impulse[:], self.window.table[:], self.window.seconds = state
+        touched, self.window.impulse[:], self.window.table[:], self.window.seconds, cloth = state
         self.set_touched(touched)
+        if self.cloth is not None:
+            self.cloth.restore(cloth)
 
     def saved(self) -> dict[str, Any]:
         """See Part."""
-        return contact_checkpoint.saved(self)
+        cloth = {} if self.cloth is None else self.cloth.saved()
+        return contact_checkpoint.saved(self) | cloth
 
     def resume(self, path: str | Path, state: dict[str, np.ndarray]) -> None:
         """See RunningContact; ValueError for other samples than the file has, other versions."""

@@ -111,7 +111,8 @@ class Contact:
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
     each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`;
     flesh_bed : the same wherever cloth presses, by names of segments, 'body' for all others [Pa/m],
-    none: hard skin; takes the place of flesh_stiffness; see `contact.body.flesh_bed`.
+    none: hard skin; takes the place of flesh_stiffness; see `contact.body.flesh_bed`;
+    self_contact : whether cloth meets cloth too, with the same friction.
 
     Examples
     --------
@@ -124,6 +125,7 @@ class Contact:
     offset: float | None = with_unit(None, "m")
     flesh_stiffness: float = with_unit(2e5, "Pa/m")
     flesh_bed: dict = field(default_factory=dict, metadata={"unit": "Pa/m"})
+    self_contact: bool = False
 
 
 @dataclass(frozen=True)

@@ -74,6 +74,7 @@ class Model:
                 flesh_stiffness=contact.flesh_stiffness if flesh is skin is None else None,
                 flesh=flesh,
                 surface=skin,
+                self_contact=contact.self_contact,
             )
         )
         if skin is None:  # a part of a skin would be open, and known no inside

@@ -8,6 +8,7 @@ element, terms    strains whose energy counts; inertia, gravity, drag, damping w
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
 body              where it is of triangles, their source
+self_contact      where cloth meets cloth
 fabric            its name, what of it is estimated and what measured, where the card says so
 wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is reported
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
@@ -74,6 +75,8 @@ def plan_of(
     if contact.friction:
         kinetic = contact.kinetic_friction
         plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]
+    if contact.self_contact:
+        plan["self_contact"] = True
     flesh = flesh_of(scene, wearer.names, near)
     if flesh is not None:
         by_name = zip(near, flesh.beds(near)["stiffness"], strict=True)
@@ -120,7 +123,8 @@ def plan_lines(plan: dict) -> list[str]:
                 lines.append(f"           {name.replace('_', ' ')}: {value}")
         if "friction" not in plan:
             lines.append("           no friction")
-        lines.append("           no contact of cloth with cloth")
+        itself = "cloth meets cloth" if "self_contact" in plan else "no contact of cloth with cloth"
+        lines.append(f"           {itself}")
     else:
         lines.append("contact    none")
     if "dressing" in plan:

@@ -40,6 +40,7 @@ OTHER = Scene(
     contact=Contact(
         friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5,
         flesh_bed={"body": 6.7e5, "left_calf": 1e5},
+        self_contact=True,
     ),
     steps=Steps(
         accuracy="2.5%", time_step_factor=0.5, damping=1e-6, drag=1.0, dressing="particles", runs=5

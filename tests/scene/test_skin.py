@@ -40,7 +40,7 @@ def test_by_default_nothing_of_it_is_loaded():
         "from shellform.scene.scene import Scene\n"
         "from shellform.scene.skin import skin_of_scene\n"
         "print(skin_of_scene(Scene(), None))\n"
-        "new = 'body_mesh', 'contact.body.skin', 'flesh', 'dual_quat', 'surface_correction'\n"
+        "new = 'body_mesh', 'contact.body.skin', 'flesh_step', 'dual_quat', 'surface_correction'\n"
         "print([name for name in sys.modules if any(word in name for word in new)])"
     )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
