@@ -99,7 +99,11 @@ def elongation(positions: np.ndarray, directors: np.ndarray, surface: Surface) -
     """
     near, cells = near_waist(surface), surface.cells[:, :4]
     pairs = np.stack([cells, np.roll(cells, -1, axis=1)], 2).reshape(-1, 2)
-    pairs = pairs[~near[pairs].any(axis=1)]
-    at_rest = np.asarray(surface.directors)
+    seen = ~near[pairs].any(axis=1)
+    pairs = pairs[seen]
     now = arc_lengths(positions[pairs], directors[pairs])
+    if surface.flat is not None:
+        sides = np.roll(surface.flat, -1, axis=1) - surface.flat
+        return now / np.linalg.norm(sides, axis=2).ravel()[seen] - 1
+    at_rest = np.asarray(surface.directors)
     return now / arc_lengths(surface.points[pairs], at_rest[pairs]) - 1
