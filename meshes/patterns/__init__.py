@@ -8,7 +8,7 @@ from meshes.surface import Surface
 
 from .pattern import Edge, Panel, SewingPattern, Stitch
 from .placing import Axis
-from .read import is_pattern, read_pattern
+from .read import read_pattern
 from .relax import Body
 from .sewing import sew
 
@@ -20,7 +20,6 @@ __all__ = [
     "SewingPattern",
     "Stitch",
     "Surface",
-    "is_pattern",
     "read_pattern",
     "sew",
 ]

@@ -42,7 +42,7 @@ def read_dxf(path: Path, size: str | None = None, unit: str | None = None) -> Se
         drawing = ezdxf.readfile(str(path))
     except (ezdxf.DXFError, OSError, ValueError) as error:
         raise MeshError(f"{name}: not a DXF file ({error}), export the pattern again.") from None
-    blocks = [block for block in drawing.blocks if not block.name.startswith("*")]
+    blocks: list = [b for b in drawing.blocks if not b.name.startswith("*")]
     if not any(_lines(block, BOUNDARY) for block in blocks):
         blocks = [drawing.modelspace()]
     texts = _texts(drawing.modelspace())

@@ -19,11 +19,6 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 FORMATS = (".json", ".dxf", ".svg")
 
 
-def is_pattern(path: str | Path) -> bool:
-    """Whether a file's name says that it holds a sewing pattern."""
-    return Path(path).suffix.lower() in FORMATS
-
-
 def read_pattern(
     path: str | Path,
     size: str | None = None,

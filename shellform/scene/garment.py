@@ -9,7 +9,6 @@ import numpy as np
 
 import meshes
 from meshes.garments.ring import names_of
-from meshes.patterns.read import is_pattern
 from meshes.validity import with_hint
 from shellform.fem.wrinkles import folds_resolved
 from shellform.material.sheet import Sheet
@@ -22,6 +21,7 @@ from .parts import Garment
 from .scene import Scene
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
+PATTERNS = (".json", ".dxf", ".svg")  # endings of files with flat panels
 ASIDE, HIGHER = 0.05, 0.08  # a garment off its wearer's waist by more is moved there [m]
 HEM = 0.06  # height of the hems of trousers over the floor, at least [m]
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
@@ -38,7 +38,7 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     garment = scene.garment
     height, middle, heading = stance(wearer)
     waist = waist_height(wearer) - middle[2] + height
-    if garment.file is not None and is_pattern(garment.file):
+    if garment.file is not None and Path(garment.file).suffix.lower() in PATTERNS:
         # only here: other garments are not sewn
         from .pattern import sewn_garment
 

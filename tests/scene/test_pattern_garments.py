@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Garments of a scene from flat patterns: around the wearer, dressed, walked."""
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +18,7 @@ from shellform.scene.wearer import wearer_of
 from shellform.simulation.model import Model
 from shellform.simulation.run import run
 from tests.meshes.patterns.drafts import FILES
+from tests.ranks import outside
 
 WALK = Scene(
     motion=Motion(start=1.5, end=1.7, initiation=0.4, obstacle=0.0),
@@ -67,6 +70,20 @@ def test_keys_of_patterns_without_one(wearer):
     for given in ({"stitches": [["a.1", "b.2"]]}, {"about": {"front": "pelvis"}}):
         with pytest.raises(ValueError, match=r"are of sewing patterns, and there is no file"):
             garment_of(replace(WALK, garment=Garment(**given)), wearer)
+
+
+@pytest.mark.serial
+def test_other_garments_do_not_load_it():
+    """Nor do files of meshes; readers of drawings wait for a drawing."""
+    code = (
+        "import sys; from shellform.simulation import model; from shellform.scene import scene, "
+        "garment, wearer; s = scene.Scene(); garment.garment_of(s, wearer.wearer_of(s)); "
+        "print([m for m in sys.modules if m.startswith(('meshes.patterns', 'ezdxf', 'svgel'))])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=outside(), check=False
+    )
+    assert done.stdout.strip() == "[]", done.stdout + done.stderr
 
 
 @pytest.mark.serial
