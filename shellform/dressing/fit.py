@@ -6,7 +6,7 @@ import numpy as np
 from meshes import Surface
 from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
-from shellform.fem.arc import arc_lengths
+from shellform.fem.arc import arc_lengths, sides_at_rest
 
 from .belt import Belt, Ring
 
@@ -102,8 +102,4 @@ def elongation(positions: np.ndarray, directors: np.ndarray, surface: Surface) -
     seen = ~near[pairs].any(axis=1)
     pairs = pairs[seen]
     now = arc_lengths(positions[pairs], directors[pairs])
-    if surface.flat is not None:
-        sides = np.roll(surface.flat, -1, axis=1) - surface.flat
-        return now / np.linalg.norm(sides, axis=2).ravel()[seen] - 1
-    at_rest = np.asarray(surface.directors)
-    return now / arc_lengths(surface.points[pairs], at_rest[pairs]) - 1
+    return now / sides_at_rest(surface).ravel()[seen] - 1

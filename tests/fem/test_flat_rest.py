@@ -3,6 +3,8 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 import meshes
 import shellform as sf
@@ -11,6 +13,7 @@ from shellform.dynamics.springs import EDGE, Springs
 from shellform.fem.dolfinx_compat import cell_nodes
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.quad_force import QuadForce
+from shellform.material.wrinkling import wrinkling_load
 from tests.meshes.patterns.drafts import cone, tube
 
 # no Poisson's ratio: a rolled sheet then has the hoop moment B/R alone
@@ -171,3 +174,60 @@ def test_a_surface_refuses_flat_cells_that_do_not_fit():
         surface.replace(cells=surface.cells[::-1])
     twice = surface.transform(scale=2.0)
     assert np.allclose(twice.flat, 2 * surface.flat)
+
+
+def elastica(ratio):
+    """Load of a pinned column over that at which it buckles, its arc `ratio` times its chord."""
+    m = brentq(lambda m: (2 * ellipe(m) / ellipk(m) - 1) * ratio - 1, 1e-6, 0.8)
+    return (2 * ellipk(m) / np.pi) ** 2
+
+
+def gathered(cells, ratio=1.5, chord=0.06, width=0.02):
+    """A strip between two stitches of a gathered waist: too long for their distance by `ratio`."""
+    line = np.linspace(0.0, 1.0, 4001)
+
+    def reach(height):
+        steps = np.hypot(np.diff(line), height * np.diff(np.sin(np.pi * line)))
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    height = brentq(lambda height: reach(height)[-1] - ratio, 0.1, 2.0)
+    surface = meshes.rectangle(chord, width, (cells, 1))
+    # points as far from each other along the bulge as in the panel
+    x = np.interp(surface.points[:, 0] / chord * ratio, reach(height), line)
+    bulge = np.column_stack([x, surface.points[:, 1] / chord, height * np.sin(np.pi * x)])
+    flat = surface.points[surface.cells][..., :2] * [ratio, 1.0]
+    return surface.replace(points=chord * bulge, flat=flat)
+
+
+@pytest.mark.serial
+def test_a_gathered_waist_pushes_as_the_elastica():
+    """1.5:1, its fold shown by cells: 1.21 times the load that buckles it, to 1 per cent."""
+    surface = gathered(16)
+    shell = sf.Shell(surface, CLOTH)
+    shell.supports.hold("left", "xz")
+    shell.supports.hold("right", "xz")
+    shell.supports.hold(np.arange(len(surface.points)), "y")
+    stepper = sf.Newmark(shell, drag=20.0)
+    stepper.advance(1.0)
+    r = stepper.internal_force()
+    ends = shell.partition.local(shell.partition.find("right"))
+    push = abs(r[ends, 0].sum()) / 0.02
+    buckles = np.pi**2 * B / (1.5 * 0.06) ** 2
+    assert push == pytest.approx(elastica(1.5) * buckles, rel=1e-2)
+
+
+@pytest.mark.serial
+def test_a_gathered_waist_of_large_cells_pushes_as_their_waves():
+    """Relaxed, a cell bears what buckles a wave of two of its kind, less by the ratio."""
+    chord, width, count = 0.12, 0.03, 4
+    surface = meshes.rectangle(chord, width, (count, 1))
+    for ratio in (1.5, 2.0):
+        corners = surface.points[surface.cells][..., :2]
+        sewn = surface.replace(flat=corners * [ratio, 1.0])
+        shell = sf.Shell(sewn, CLOTH, wrinkles="relaxed")
+        force = InternalForce(shell)(shell.w.x.array.reshape(-1, 6))
+        ends = shell.partition.local(shell.partition.find("right"))
+        push = abs(force[ends, 0].sum()) / width
+        size = np.sqrt(chord / count * ratio * width)
+        # the load counts from the length in the panel, of which cells are shorter by the ratio
+        assert push == pytest.approx(wrinkling_load(B, np.array([size]))[0] / ratio, rel=1e-6)
