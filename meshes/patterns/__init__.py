@@ -9,15 +9,15 @@ from meshes.surface import Surface
 from .pattern import Edge, Panel, SewingPattern, Stitch
 from .placing import Axis
 from .read import read_pattern
-from .relax import Body
+from .relax import StandingBody
 from .sewing import sew
 
 __all__ = [
     "Axis",
-    "Body",
     "Edge",
     "Panel",
     "SewingPattern",
+    "StandingBody",
     "Stitch",
     "Surface",
     "read_pattern",

@@ -32,7 +32,7 @@ GROWN = 0.6  # part of the steps with a body until this has its whole breadth
 THIN = 0.2  # breadth that it has at first
 
 
-class Body(NamedTuple):
+class StandingBody(NamedTuple):
     """Ellipsoids of a standing body: centres (b, 3), axes (b, 3, 3) in rows, radii (b, 3) [m].
 
     The first axis is that of the segment.
@@ -64,7 +64,7 @@ def relax(
     flat: np.ndarray,
     steps: int,
     side: np.ndarray | None = None,
-    body: Body | None = None,
+    body: StandingBody | None = None,
 ) -> np.ndarray:
     """Points (n, 3) after so many steps.
 
@@ -128,15 +128,15 @@ def _moved_back(x, points):
     return (x - middle) @ (U @ V) + before
 
 
-def sides_of(points: np.ndarray, panel: np.ndarray, cells: np.ndarray) -> np.ndarray:
+def sides_of(points: np.ndarray, panels: list[np.ndarray], cells: np.ndarray) -> np.ndarray:
     """Side (n,) of the plane y = 0 on which nodes stay, 0 for those of neither or of both.
 
-    points : (n, 3), before the relaxation; panel : (m,), number of the panel of each cell
+    points : (n, 3), before the relaxation; panels : rows of the cells (m, 4) of each
     """
     side = np.zeros(len(points))
     both = np.zeros(len(points), bool)
-    for number in range(int(panel.max()) + 1):
-        own = np.unique(cells[panel == number])
+    for rows in panels:
+        own = np.unique(cells[rows])
         sign = side_of(points[own, 1])
         both[own] |= side[own] * sign < 0
         side[own] = np.where(side[own] == 0, sign, side[own])

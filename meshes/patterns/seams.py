@@ -18,7 +18,7 @@ from .pattern import SewingPattern, Side, Stitch
 NEAR = 2e-3  # fractions of a seam that are taken for one; distance of a notch from its edge [m]
 
 
-class Part(NamedTuple):
+class ChainPart(NamedTuple):
     """One edge in a chain: from `start` to `end`, fractions of the chain; `back`: run backwards."""
 
     side: Side
@@ -29,7 +29,7 @@ class Part(NamedTuple):
 
 def spacings(
     pattern: SewingPattern, stitches: list[Stitch], size: float
-) -> tuple[dict[Side, np.ndarray], list[tuple[list[Part], list[Part]]]]:
+) -> tuple[dict[Side, np.ndarray], list[tuple[list[ChainPart], list[ChainPart]]]]:
     """Fractions (k,) of the nodes of every edge, and the chains of every seam.
 
     Parameters
@@ -68,7 +68,7 @@ def spacings(
     return out, seams
 
 
-def chain_of(pattern: SewingPattern, sides: tuple[Side, ...]) -> list[Part]:
+def chain_of(pattern: SewingPattern, sides: tuple[Side, ...]) -> list[ChainPart]:
     """Parts of a chain, all run forwards or, where its edges follow each other so, backwards."""
     back = False
     for (panel, one), (other, two) in pairwise(sides):
@@ -78,12 +78,12 @@ def chain_of(pattern: SewingPattern, sides: tuple[Side, ...]) -> list[Part]:
     lengths = [pattern.panel(panel).edge(edge).length for panel, edge in sides]
     ends = np.concatenate([[0.0], np.cumsum(lengths)]) / sum(lengths)
     ends[-1] = 1.0
-    return [Part(s, float(a), float(b), back) for s, a, b in zip(sides, ends, ends[1:])]
+    return [ChainPart(s, float(a), float(b), back) for s, a, b in zip(sides, ends, ends[1:])]
 
 
-def reversed_chain(chain: list[Part]) -> list[Part]:
+def reversed_chain(chain: list[ChainPart]) -> list[ChainPart]:
     """The same chain from its other end."""
-    return [Part(p.side, 1.0 - p.end, 1.0 - p.start, not p.back) for p in chain[::-1]]
+    return [ChainPart(p.side, 1.0 - p.end, 1.0 - p.start, not p.back) for p in chain[::-1]]
 
 
 def _breaks(pattern, chains):

@@ -23,7 +23,7 @@ from .crossings import crossings
 from .panel_mesh import mesh_panel
 from .pattern import Panel, SewingPattern, Stitch
 from .placing import Axis, place_panels
-from .relax import Body, relax, sides_of
+from .relax import StandingBody, relax, sides_of
 from .seams import along_or_against, ease_notes, spacings
 
 
@@ -31,7 +31,7 @@ def sew(
     pattern: SewingPattern,
     cell_size: float = 0.025,
     axes: Mapping[str, Axis] | None = None,
-    body: Body | None = None,
+    body: StandingBody | None = None,
     steps: int = 600,
     top: float | None = None,
 ) -> Surface:
@@ -82,41 +82,48 @@ def sew(
     points = np.stack([np.bincount(label, x, count) for x in space.T], axis=1) / often
     cells, flat, panels = _cells(pattern, made, first, label)
     _check_folded(pattern, cells, panels)
-    edges = {f"seam_{k}": label[main[:, 0]] for k, (main, _) in enumerate(pairs)}
-    sewn = {side for s in stitches for side in (*s.first, *s.second)}
-    for panel in pattern.panels:
-        for edge in panel.edges:
-            if (panel.name, edge.name) not in sewn:
-                nodes = first[panel.name] + made[panel.name].edges[edge.name]
-                edges[f"{panel.name}.{edge.name}"] = label[nodes]
-    lines = {name: segments_of_line(nodes) for name, nodes in edges.items()}
+    lines = _lines(pattern, made, first, label, [main for main, _ in pairs])
     surface = Surface(points, cells, lines, panels=panels, source=pattern.source, verify=False)
     turned = orient(surface, majority=True)
     flipped = (turned.cells != cells).any(axis=1)
     if flipped.any():
         flat = turned_flat(flat, flipped)
-    notes = [*pattern.notes, *ease_notes(pattern)]
     shape = points
     if steps:
-        number = np.empty(len(cells), np.int64)
-        for k, own in enumerate(panels.values()):
-            number[own] = k
-        side = sides_of(points, number, cells)
+        side = sides_of(points, list(panels.values()), cells)
         shape = relax(points, turned.cells, flat, steps, side, body)
-    through = crossings(shape, turned.cells)
-    if len(through):
-        place = np.round(shape[through[0, 0]], 3).tolist()
-        notes.append(
-            f"{pattern.source}: the sewn cloth goes through itself at {len(through)} sides, "
-            f"first at {place} m: take smaller cells, or place the panels further apart."
-        )
+    notes = *pattern.notes, *ease_notes(pattern), *_crossing_note(pattern, shape, turned.cells)
     return turned.replace(
         points=shape,
         flat=flat,
         warp=warp_in_space(shape, turned.cells, flat),
         directors=None,
         verify=True,
-        notes=tuple(notes),
+        notes=notes,
+    )
+
+
+def _lines(pattern, made, first, label, seams):
+    """Segments of the seams, and of every edge that is not sewn, by name."""
+    edges = {f"seam_{k}": label[main[:, 0]] for k, main in enumerate(seams)}
+    sewn = {side for s in pattern.stitches for side in (*s.first, *s.second)}
+    for panel in pattern.panels:
+        for edge in panel.edges:
+            if (panel.name, edge.name) not in sewn:
+                nodes = first[panel.name] + made[panel.name].edges[edge.name]
+                edges[f"{panel.name}.{edge.name}"] = label[nodes]
+    return {name: segments_of_line(nodes) for name, nodes in edges.items()}
+
+
+def _crossing_note(pattern, points, cells):
+    """A sentence where the sewn cloth goes through itself."""
+    through = crossings(points, cells)
+    if not len(through):
+        return ()
+    place = np.round(points[through[0, 0]], 3).tolist()
+    return (
+        f"{pattern.source}: the sewn cloth goes through itself at {len(through)} sides, first at "
+        f"{place} m: take smaller cells, or place the panels further apart.",
     )
 
 

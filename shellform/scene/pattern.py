@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from meshes.patterns import Axis, Body, Surface, read_pattern, sew
+from meshes.patterns import Axis, StandingBody, Surface, read_pattern, sew
 from meshes.repair import boundary_loops
 from meshes.topology import segments_of_line
 from shellform.motion.recording import SIDES
@@ -36,7 +36,7 @@ def sewn_garment(
     return _whole_loop(surface, garment.waist)
 
 
-def body_of(wearer: Wearer) -> Body:
+def body_of(wearer: Wearer) -> StandingBody:
     """The wearer's ellipsoids but the feet, in axes forward, left, up from the floor."""
     height, middle, heading = stance(wearer)
     up = np.array([0.0, 0.0, 1.0])
@@ -44,10 +44,10 @@ def body_of(wearer: Wearer) -> Body:
     pose = wearer.new_pose(wearer.start)
     which = [k for k, name in enumerate(wearer.carriers) if not name.endswith("foot")]
     centres = (pose.centres[which] - middle) @ axes.T + [0.0, 0.0, height]
-    return Body(centres, pose.axes[which] @ axes.T, wearer.radii[which] + CLEAR)
+    return StandingBody(centres, pose.axes[which] @ axes.T, wearer.radii[which] + CLEAR)
 
 
-def axes_of(body: Body, wearer: Wearer, top: float) -> dict[str, Axis]:
+def axes_of(body: StandingBody, wearer: Wearer, top: float) -> dict[str, Axis]:
     """Vertical cylinders about the trunk and the legs, from the height `top` [m] down."""
     names = [name for name in wearer.names if not name.endswith("foot")]
     places = {"pelvis": Axis((0.0, 0.0, top))}

@@ -203,6 +203,15 @@ def test_a_seam_over_panels_side_by_side():
     assert surface.area == pytest.approx(0.5 * 0.25, rel=0.02)
 
 
+def test_cloth_that_goes_through_itself_is_told():
+    """A front sewn to a back the wrong way about, left to left, as if both were seen in front."""
+    front, back = rectangle("front", 0.3, 0.2), rectangle("back", 0.3, 0.2)
+    right = sewn(("front.left", "back.right"), ("front.right", "back.left"))
+    wrong = sewn(("front.left", "back.left"), ("front.right", "back.right"))
+    notes = [sew(SewingPattern("two", (front, back), s), 0.04).notes for s in (right, wrong)]
+    assert notes[0] == () and "two: the sewn cloth goes through itself at" in notes[1][-1]
+
+
 def test_a_strip_sewn_with_a_half_turn_is_refused():
     pattern = tube(0.3, 0.1)
     twisted = Stitch(*(pattern.stitches[0].first, pattern.stitches[0].second), along=True)
