@@ -68,13 +68,16 @@ class Person:
 
 @dataclass(frozen=True)
 class Garment:
-    """A garment by size or measures, or a mesh file.
+    """A garment by size or measures, a mesh file, or a file with a sewing pattern.
 
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
     turn : angles about x, then y, then z [deg], and place : shift after it [m], which bring it to
     x forward, y left, z up, the floor at 0, None: found from its shape and the wearer; weld :
     distance within which its borders are joined [m]; midsurface : of a file with thick cloth;
-    kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
+    stitches : of a pattern, pairs of edges 'PANEL.EDGE', beside those of the file; about : panel of
+    a pattern -> segment it goes around, where the file does not place it;
+    kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers` or of a pattern
+    with graded sizes; measures :
     arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy;
     max_elongation : of the dressed cloth, beyond which a run ends (0.18 for woven cloth);
     wrinkles : 'relaxed', those smaller than a cell take what compression they cannot bear,
@@ -95,6 +98,8 @@ class Garment:
     place: list | None = field(default=None, metadata={"unit": "m"})
     weld: float = with_unit(0.0, "m")
     midsurface: bool = False
+    stitches: list | None = None
+    about: dict = field(default_factory=dict)
     kind: str = "trousers"
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})

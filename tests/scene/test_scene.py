@@ -36,6 +36,7 @@ OTHER = Scene(
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
         kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
         max_elongation=0.3, wrinkles="resolved",
+        stitches=[["front.side", "back.side"]], about={"front": "pelvis"},
     ),
     contact=Contact(
         friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5,
