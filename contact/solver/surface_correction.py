@@ -254,6 +254,11 @@ class SurfaceCorrection:
         return Pose(centres, np.zeros((0, 3, 3)), nothing, nothing)
 
     @property
+    def placed(self) -> tuple[Any, Any]:
+        """`Mesh` and `Placed` of the surface at the start of the last step; to be read only."""
+        return self._mesh, self._start
+
+    @property
     def vertices(self) -> np.ndarray:
         """Places (nv, 3) [m] of the vertices at the start of the last step; to be read only."""
         return self._start.vertices
