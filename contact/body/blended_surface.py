@@ -142,10 +142,10 @@ class BlendedSurface:
     ):
         points, self.triangles = closed_surface(vertices, triangles, name)
         table = np.array(weights, float)
-        if table.shape != (len(points), len(body)):
+        if table.shape != (len(points), len(body.names)):
             raise ValueError(
                 f"weights of surface '{name}' have the shape {table.shape}, not one row for each "
-                f"of {len(points)} vertices with a number for each of {len(body)} segments"
+                f"of {len(points)} vertices with a number for each of {len(body.names)} segments"
             )
         bad = ~(np.abs(table.sum(axis=1) - 1.0) < SUM) | (table < 0.0).any(axis=1)
         if bad.any():
@@ -158,7 +158,7 @@ class BlendedSurface:
         self.body, self.names = body, body.names
         self.bound, self.weights = few_weights(table)
         self.owners = table[self.triangles].sum(axis=1).argmax(axis=1)
-        self.moves = any(segment.moves for segment in body.segments)
+        self.moves = True
         self._pose = body.new_pose(time)
         arm = points[:, None, :] - self._pose.centres[self.bound]
         self.local = np.einsum("iakc,iac->iak", self._pose.axes[self.bound], arm)

@@ -8,6 +8,7 @@ segments by the adjoint of the skinning: momentum, moments and virtual power are
 """
 
 import math
+import warnings
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from .surface_step import surface_kernel
 from .velocity_correction import EVERY, LOOKS
 
 JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
+SHARP = 0.5  # cosine between normals of one triangle
 SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
 GROWN = 1e-3  # m, that boxes are grown before they are fitted anew
 RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
@@ -209,7 +211,24 @@ class SurfaceCorrection:
             self._end = new_placed(self._mesh, surface.vertex_count, boxes)
         if self._smooth:
             self._highest = RAISED * most_raised(self._mesh, self._start)
+            self._tell_sharp()
             self._start.known[:] = False
+
+    def _tell_sharp(self):
+        """Warn of triangles over which normals turn too far to be those of a smooth surface."""
+        a, b, c = (self._start.normals[self._mesh.triangles[:, k]] for k in range(3))
+        cosine = np.min([np.sum(p * q, axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
+        sharp = cosine < SHARP
+        if sharp.any():
+            k = int(sharp.argmax())
+            place = ", ".join(f"{x:.4g}" for x in self._start.vertices[self._mesh.triangles[k, 0]])
+            warnings.warn(
+                f"over {sharp.sum()} of {len(sharp)} triangles of the surface of "
+                f"{', '.join(self.surface.names[:3])} the normal turns by more than 60 degrees, "
+                f"first over triangle {k} at ({place}) m: it is met as a smooth surface, so take "
+                "smaller triangles there, or smooth=False if its edges are sharp",
+                stacklevel=2,
+            )
 
     def _move(self, start, end):
         """Surfaces at the two times; the end of one step usually is the start of the next."""
@@ -252,6 +271,11 @@ class SurfaceCorrection:
         centres, nothing = np.zeros((len(self.last.table), 3)), np.zeros((0, 3))
         centres[self._rows] = self.surface.centres(t, np.zeros((len(self._rows), 3)))
         return Pose(centres, np.zeros((0, 3, 3)), nothing, nothing)
+
+    @property
+    def placed(self) -> tuple[Any, Any]:
+        """`Mesh` and `Placed` of the surface at the start of the last step; to be read only."""
+        return self._mesh, self._start
 
     @property
     def vertices(self) -> np.ndarray:

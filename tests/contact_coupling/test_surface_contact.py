@@ -174,6 +174,7 @@ def test_ledger_names_the_segments_of_the_body():
     assert np.array_equal(centres, np.tile([0.0, 0.0, -0.25], (2, 1)))
 
 
+@pytest.mark.serial
 def test_what_a_surface_does_not_know_is_refused_in_one_sentence():
     body, skin = skinned()
     for settings, said in (

@@ -2,13 +2,16 @@
 """What makes triangles the skin of a body, and the sentence for each fault.
 
 A skin has an inside: every edge belongs to two triangles that run along it in opposite senses, and
-the volume within is positive. Triangles that are inside-out are turned, and that is told.
+the volume within is positive. Triangles that are inside-out are turned, and that is told, as it is
+told where the skin passes through itself.
 """
 
 import warnings
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from .crossings import crossings
 
 SMALLEST, LARGEST = 5e-3, 50.0  # m: sizes beyond are taken for another unit
 MANY = 400_000  # triangles above which a warning tells what they cost
@@ -30,7 +33,8 @@ def closed_surface(
     Warns
     -----
     UserWarning
-        Where all triangles were inside-out and are turned, and for more than MANY.
+        Where all triangles were inside-out and are turned, where the surface passes through
+        itself, and for more than MANY triangles.
     """
     points = np.array(vertices, float)
     corners = np.array(triangles)
@@ -50,6 +54,15 @@ def closed_surface(
     if volume(points, corners) < 0.0:
         corners = np.ascontiguousarray(corners[:, ::-1])
         warnings.warn(f"{who} was inside-out: all its triangles are turned", stacklevel=4)
+    count, (i, j, k) = crossings(points, corners)
+    if count:
+        place = ", ".join(f"{p:.4g}" for p in 0.5 * (points[i] + points[j]))
+        warnings.warn(
+            f"{who} passes through itself: {count} edges cross triangles, first that of vertices "
+            f"{i} and {j} triangle {k} at ({place}) m; cloth there is held by the nearest part. "
+            "If that is near the garment, unite or remesh the surface",
+            stacklevel=4,
+        )
     if len(corners) > MANY:
         warnings.warn(
             f"{who} has {len(corners)} triangles, and each costs time in every step: reduce them "

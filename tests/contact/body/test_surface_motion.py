@@ -9,6 +9,7 @@ from contact.body.rigid_surface import RigidSurface
 from contact.body.segments import Body, Fixed, Segment, Steady, turned
 from contact.body.surface_motion import SurfaceMotion
 from contact.geometry.triangle_mesh.closed import closed_surface, volume
+from contact.geometry.triangle_mesh.crossings import crossings
 from contact.geometry.triangle_mesh.sphere import sphere
 from tests.contact.solver.bodies import random_axes
 
@@ -136,6 +137,34 @@ def test_an_inside_out_surface_is_turned_and_that_is_told():
         points, turned_back = closed_surface(vertices, triangles[:, ::-1], "scan")
     outward = volume(vertices, triangles)
     assert outward > 0 and volume(points, turned_back) == pytest.approx(outward, rel=1e-12)
+
+
+def test_a_surface_that_passes_through_itself_is_told():
+    """Two spheres whose skins cross; every crossing is found, as by trying all pairs."""
+    vertices, triangles = sphere(0.1, 2)
+    both = np.vstack([vertices, vertices + [0.07, 0.013, 0.021]])
+    faces = np.vstack([triangles, triangles + len(vertices)])
+    count, (i, _, k) = crossings(both, faces)
+    with pytest.warns(UserWarning, match=f"surface 'scan' passes through itself: {count} edges "):
+        closed_surface(both, faces, "scan")
+    edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    expected = 0
+    for a, b in edges:
+        p, d = both[a], both[b] - both[a]
+        corners = both[faces]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        slope = normal @ d
+        slope[slope == 0.0] = np.inf  # along the triangle, as are those of its own corners
+        part = np.sum((corners[:, 0] - p) * normal, axis=1) / slope
+        x = p + part[:, None] * d
+        inside = (part > 0) & (part < 1) & ~np.isin(faces, [a, b]).any(axis=1)
+        for m in range(3):
+            q, r = corners[:, m], corners[:, (m + 1) % 3]
+            inside &= np.sum(np.cross(r - q, x - q) * normal, axis=1) > 0
+        expected += inside.sum()
+    assert count == expected > 20
+    assert i in faces[: len(triangles)] and k >= len(triangles)
+    assert crossings(vertices, triangles)[0] == 0
 
 
 def test_weights_that_are_none_are_refused():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Contact with closed surfaces of triangles: balances, weight, stick and slip, speed, restart."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -434,3 +436,13 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed(smooth):
         x += dt * v
     assert depths[0] == pytest.approx(0.02, abs=2e-3) and depths[-1] < 1e-9
     assert np.linalg.norm(x) == pytest.approx(0.1, abs=1e-9 if smooth else 2e-3)
+
+
+def test_sharp_edges_that_are_met_as_smooth_ones_are_told():
+    x, v = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
+    with pytest.warns(UserWarning, match="over 12 of 12 triangles of the surface of box the norm"):
+        SurfaceCorrection(box([0.1] * 3), 1)(x, v, np.ones(1), 1e-3, 0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        SurfaceCorrection(box([0.1] * 3), 1, smooth=False)(x, v, np.ones(1), 1e-3, 0.0)
+        SurfaceCorrection(ball(0.1, 2), 1)(x, v, np.ones(1), 1e-3, 0.0)
