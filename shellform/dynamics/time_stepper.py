@@ -152,6 +152,8 @@ class Stepper:
     def remove(self, part: Part) -> None:
         """Let a part run no longer."""
         self.parts.remove(part)
+        if part is self.contact:
+            self.contact = None
 
     def set_contact(self, contact: RunningContact) -> None:
         """Take over a contact; ValueError if there is one, or if its books came first."""

@@ -107,6 +107,8 @@ def check_numbers(scene: Scene) -> None:
             what = "angles in degrees about x, y, z" if name == "turn" else "a shift in m"
             raise ValueError(f"garment.{name} is three numbers, {what}, not {value!r}")
     check_accuracy(scene.steps.accuracy)
+    if scene.person.sex not in ("male", "female"):
+        raise ValueError(f"person.sex is male or female, not {scene.person.sex!r}")
     if scene.steps.dressing not in ("shell", "particles"):
         raise ValueError(f"steps.dressing is shell or particles, not {scene.steps.dressing!r}")
     if scene.garment.wrinkles not in WRINKLES:

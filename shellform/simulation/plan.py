@@ -7,6 +7,7 @@ and not in the run either:
 element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
+body              where it is of triangles, their source
 fabric            its name, what of it is estimated and what measured, where the card says so
 wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is reported
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
@@ -71,7 +72,11 @@ def plan_of(
     if contact.friction:
         kinetic = contact.kinetic_friction
         plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]
-    if len(near) > 1:
+    if scene.person.body != "ellipsoids":
+        plan["body"] = f"triangles of {scene.person.body}" + (
+            f", {scene.person.sex}" if scene.person.body == "mesh" else ""
+        )
+    elif len(near) > 1:
         soft = contact.flesh_stiffness
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
     recording = wearer.recording
@@ -86,7 +91,7 @@ def plan_of(
     }
     if scene.runs > 1:
         plan["outputs"].append("torque_mean.csv")
-    if output.pressure:
+    if output.pressure and "body" not in plan:
         plan["outputs"].append("pressure.npz")
     return {name: value for name, value in plan.items() if value or value is False}
 
@@ -97,7 +102,11 @@ def plan_lines(plan: dict) -> list[str]:
     if "law" in plan:
         lines.append(f"law        {plan['law']}")
     if "contact" in plan:
-        lines.append(f"contact    {len(plan['contact'])} ellipsoids: {', '.join(plan['contact'])}")
+        kind = f"skin of {plan['body']} on" if "body" in plan else ""
+        lines.append(
+            f"contact    {kind or len(plan['contact'])} {'segments' if kind else 'ellipsoids'}: "
+            f"{', '.join(plan['contact'])}"
+        )
         for name in SEEN:
             if name in plan:
                 value = plan[name]

@@ -41,7 +41,7 @@ class Recorders:
         self.ledger: Ledger = add(Ledger(out / "ledger.csv", resumed))
         self.extremes: Extremes = add(Extremes(resumed))
         self.skin = None
-        if output.pressure:
+        if output.pressure and model.skin is None:  # its patches are those of ellipsoids
             # only here: it compiles a kernel of its own
             from shellform.results.skin_pressure import Pressure
 

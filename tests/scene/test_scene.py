@@ -24,7 +24,10 @@ OTHER = Scene(
         unit="mm", up="y", cutoff=8.0, max_gap=0.25, start=0.5, end=2.25, initiation=0.75,
         strides=3, obstacle=0.1,
     ),
-    person=Person(stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}),
+    person=Person(
+        stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}, body="/bodies/scan.toml",
+        sex="female",
+    ),
     garment=Garment(
         turn=[0, 0, 90.0],
         place=[0.0, 0.1, 0.0],

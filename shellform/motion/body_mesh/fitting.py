@@ -57,7 +57,7 @@ def asked_girths(
 def fitted(
     surface: BodySurface, asked: Mapping[str, float], smoothing: csr_matrix
 ) -> tuple[BodySurface, dict[str, float]]:
-    """The surface with girths [m] as asked for, and these as they are measured on it.
+    """The surface with girths [m] as asked for, the others as they were, and all as measured.
 
     surface : standing, as `placed` gives; smoothing : of `between_legs`, in what is measured
 
@@ -66,7 +66,9 @@ def fitted(
     ValueError for girths that no scaling between LEAST and MOST gives
     """
     heights = levels(surface)
-    want = np.array([asked[name] for name in NAMES])
+    unknown = [name for name in asked if name not in NAMES]
+    if unknown:
+        raise ValueError(f"no girth is called '{unknown[0]}'; there are: {', '.join(NAMES)}")
 
     def measured(factors):
         scaled = _scaled(surface, heights, dict(zip(NAMES, factors, strict=True)))
@@ -76,6 +78,7 @@ def fitted(
 
     factors = np.ones(len(NAMES))
     scaled, have = measured(factors)
+    want = np.array([asked.get(name, own) for name, own in zip(NAMES, have, strict=True)])
     slope = np.diag(have)  # a girth grows as its own factor, to begin with
     for _ in range(STEPS):
         if np.abs(have / want - 1.0).max() < WITHIN:

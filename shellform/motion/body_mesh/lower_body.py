@@ -2,7 +2,7 @@
 """The part of a body that a garment of the lower body comes to: trunk up to the ribs, and legs.
 
 The body is cut level some way above the hips, below the armpits; what then hangs on nothing, as
-hands, is left out, and the hole is closed by a flat fan of triangles: the surface stays closed, so
+hands, is left out, and the hole is closed by a dome: the surface stays closed, so
 inside and outside stay known.
 """
 
@@ -18,6 +18,7 @@ from shellform.motion.proportions import STATURE
 from .surface import BodySurface, kept_triangles
 
 ABOVE_HIPS = 0.30  # of the cut, at a stature of STATURE [m]
+DOME, RINGS = 0.06, 6  # height of what closes it [m], and its rings
 
 
 def lower_body(surface: BodySurface) -> BodySurface:
@@ -54,14 +55,25 @@ def _holes(triangles):
 
 
 def capped(surface: BodySurface) -> BodySurface:
-    """The surface with each of its holes made level and closed by a fan around its middle."""
+    """The surface with each of its holes made level and closed by a dome upright on it.
+
+    A dome has no sharp edge, near which a smooth surface would be far from its triangles.
+    """
     points, triangles = surface.points.copy(), [surface.triangles]
-    middles: list[np.ndarray] = []
+    height = DOME * surface.stature / STATURE
     for loop in _holes(surface.triangles):
         points[loop, 2] = points[loop, 2].mean()
-        middle = np.full(len(loop), len(points) + len(middles))
-        # a hole's edges run with the surface on their left: the fan runs against them
-        triangles.append(np.stack([np.roll(loop, -1), loop, middle], axis=1))
-        middles.append(points[loop].mean(axis=0))
-    points = np.concatenate([points, np.reshape(middles, (-1, 3))])
+        middle, ring = points[loop].mean(axis=0), loop
+        for angle in np.linspace(0.0, 0.5 * np.pi, RINGS + 1)[1:-1]:
+            above = middle + np.cos(angle) * (points[loop] - middle)
+            above[:, 2] += height * np.sin(angle)
+            after = np.arange(len(points), len(points) + len(loop))
+            points = np.concatenate([points, above])
+            # a hole's edges run with the surface on their left: the dome runs against them
+            one, other = np.roll(ring, -1), np.roll(after, -1)
+            triangles += [np.stack([one, ring, after], 1), np.stack([one, after, other], 1)]
+            ring = after
+        top = np.full(len(loop), len(points))
+        points = np.concatenate([points, [middle + [0.0, 0.0, height]]])
+        triangles.append(np.stack([np.roll(ring, -1), ring, top], axis=1))
     return replace(surface, points=points, triangles=np.concatenate(triangles))

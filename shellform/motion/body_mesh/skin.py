@@ -35,7 +35,8 @@ def skin_of(
     Parameters
     ----------
     wearer : Wearer; body : whole, as of `template` or `scan`
-    stature : of the wearer [m]; girths : of all of `girths.NAMES` [m], None: as the body has them
+    stature : of the wearer [m]; girths : those of `girths.NAMES` that are asked for [m], others
+        stay as the body has them
 
     Raises
     ------
@@ -44,7 +45,7 @@ def skin_of(
     points = standing_of(wearer.recording)
     standing = placed(lower_body(body), points, stature)
     smooth = between_legs(standing, SKIN)
-    if girths is not None:
+    if girths:
         standing, _ = fitted(standing, girths, smooth)
     names = tuple(name for name in SEGMENTS if name in wearer.recording.points)
     weights = weights_of(standing)
