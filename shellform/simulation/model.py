@@ -73,8 +73,7 @@ class Model:
                 surface=skin,
             )
         )
-        if skin is None:  # a part of a skin would be open, and known no inside
-            running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
+        running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
         return running
 
     @property

@@ -29,7 +29,8 @@ class Recorders:
 
     Attributes
     ----------
-    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure, or None if not asked for
+    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure on ellipsoids, and
+        vertices : SurfacePressure on a body of triangles, or None if not asked for
     counted : begin and end [s] of what counts for torque and pressure, see `counted`; depths
     and the ledger are kept throughout
     """
@@ -41,7 +42,13 @@ class Recorders:
         self.ledger: Ledger = add(Ledger(out / "ledger.csv", resumed))
         self.extremes: Extremes = add(Extremes(resumed))
         self.skin = None
-        if output.pressure and model.skin is None:  # its patches are those of ellipsoids
+        self.vertices = None
+        if output.pressure and model.skin is not None:
+            # only here, as below; on triangles it is found at their vertices
+            from shellform.results.surface_pressure import SurfacePressure
+
+            self.vertices = add(SurfacePressure(resumed))
+        elif output.pressure:
             # only here: it compiles a kernel of its own
             from shellform.results.skin_pressure import Pressure
 
@@ -55,10 +62,12 @@ class Recorders:
         force : (n_owned, 3) [N], mean of contact on the nodes in the window
         """
         self.joints.record(time)
+        begin, end = self.counted
+        whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
         if self.skin:
-            begin, end = self.counted
-            whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
             self.skin.record(time, whole)
+        if self.vertices:
+            self.vertices.record(time, whole)
         force = self._window.impulse / self._window.seconds
         self.ledger.record()
         return force

