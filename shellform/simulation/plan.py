@@ -100,8 +100,8 @@ def plan_of(
     }
     if scene.runs > 1:
         plan["outputs"].append("torque_mean.csv")
-    if output.pressure and "body" not in plan:
-        plan["outputs"].append("pressure.npz")
+    if output.pressure:
+        plan["outputs"].append("pressure.vtu" if "body" in plan else "pressure.npz")
     return {name: value for name, value in plan.items() if value or value is False}
 
 

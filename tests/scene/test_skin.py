@@ -10,13 +10,15 @@ import pytest
 from contact.solver.surface_correction import SurfaceCorrection
 from shellform.errors import Mendable
 from shellform.results.joint_torque import Torque
-from shellform.scene.parts import Garment, Motion, Output, Person
+from shellform.scene.parts import Garment, Motion, Output, Person, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import read_scene, write_scene
 from shellform.scene.skin import skin_of_scene
 from shellform.scene.wearer import wearer_of
+from shellform.simulation.figures import draw
 from shellform.simulation.model import Model
 from shellform.simulation.plan import plan_lines, plan_of
+from shellform.simulation.run import run
 from tests.motion.body_mesh.test_scan import write
 
 MOTION = Motion(strides=1, obstacle=0.0)
@@ -80,7 +82,7 @@ def test_plan(scanned):
     plan = plan_of(scanned)
     assert plan["body"].startswith("triangles of ") and "creases" not in plan
     assert plan["out_of_reach" if "out_of_reach" in plan else "contact"]
-    assert "pressure.npz" not in plan["outputs"]
+    assert plan["outputs"][-1] == "pressure.vtu"
     assert any("skin of triangles of" in line for line in plan_lines(plan))
 
 
@@ -104,3 +106,22 @@ def test_the_garment_meets_the_skin(scanned, comm):
     assert nodes == pytest.approx(segments, rel=1e-9, abs=1e-15)
     assert np.isfinite([row["torque_x"] for row in torque.record(model.stepper.time)]).all()
     assert np.isfinite(x).all()
+
+
+@pytest.mark.thorough
+def test_a_walk_on_a_scan(scanned, tmp_path, comm):
+    """Dressed, walked, recorded and drawn; momentum closes and no node ends up in the body."""
+    scene = Scene(
+        **{
+            **vars(scanned),
+            "garment": Garment(cell_size=0.04),
+            "steps": Steps(runs=1),
+            "output": Output(frames=5.0),
+        }
+    )
+    results = run(scene, tmp_path / "walk", comm, lines=False)
+    assert results["force_balance_error"] < 1e-6
+    assert np.isfinite([row["rms_torque"] for row in results["joints"].values()]).all()
+    assert (tmp_path / "walk" / "pressure.vtu").is_file()
+    draw(tmp_path / "walk")
+    assert (tmp_path / "walk" / "walk.png").is_file()
