@@ -142,7 +142,7 @@ def find_rows(
     mass: np.ndarray,
     old: np.ndarray,
     rows: np.ndarray,
-) -> tuple[int, float]:
+) -> tuple[int, float, float]:
     """Fill rows (k,) ROW, in the order of the keys.
 
     x, rest : (n, 3), positions now and at rest [m]; v : (n, 3), velocities of the last step [m/s]
@@ -153,10 +153,10 @@ def find_rows(
     mass : (n,) [kg]; old : (l,) ROW of the step before, whose impulses are taken over
 
     Returns how many there are, more than k where they do not fit, and by how much paths may grow
-    before one of those near needs a look
+    before one of those near needs a look, and the least distance of a row
     """
     nodes, w, r, work = np.empty(4, np.int64), np.empty(4), np.empty(3), np.empty((15, 3))
-    corners, found, at, least = len(x) * len(triangles), 0, 0, np.inf
+    corners, found, at, least, closest_row = len(x) * len(triangles), 0, 0, np.inf, np.inf
     reach = thickness * (1.0 + MARGIN)
     for k in near:
         now = path[groups[k]]
@@ -187,6 +187,7 @@ def find_rows(
         if found < len(rows):
             row = rows[found]
             row.key, row.distance = key, d
+            closest_row = min(closest_row, d)
             for a in range(4):
                 row.nodes[a], row.weights[a] = nodes[a], w[a]
             for c in range(3):
@@ -205,4 +206,4 @@ def find_rows(
                         impulse += before.rub[1] * before.tangents[1, c]
                         row.rub[i] += impulse * row.tangents[i, c]
         found += 1
-    return found, least
+    return found, least, closest_row

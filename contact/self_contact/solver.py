@@ -23,7 +23,7 @@ from contact.solver.friction import Friction
 from .broad_phase import keep_near, list_pairs
 from .features import Features
 from .rows import MARGIN, ROW, find_rows
-from .sweeps import LEFT, book, set_masses, spread, sweep_kernel, wake
+from .sweeps import LEFT, book, set_masses, speed_up, spread, sweep_kernel, wake
 from .trust_region import TrustRegion, groups_of
 
 SWEEPS = 300  # at most, between two answers of the body
@@ -51,7 +51,7 @@ class SelfContactSolver:
     Attributes
     ----------
     features : as given; friction : Friction, may be changed; region : TrustRegion
-    rows : (k,) ROW of the last step; impulse : (n, 3) [N s], what they gave
+    rows : (k,) ROW of the last step
     listed : int, pairs on the list; listings : int, times that it was made
     sweeps : int, in the last step; limited : int, steps that ended with more than LEFT
     closest : float [m], least distance of any row so far over the thickness it has to keep, or more
@@ -74,11 +74,10 @@ class SelfContactSolver:
         self._thickness, self._recovery, self._skin = thickness, recovery, SKIN * size
         free = np.where(held, 0.0, 1.0) / mass[:, None]
         self.mobility = free[:, :, None] * np.eye(3)
-        self._free = free
         self._found, self._due = np.empty(1024, np.int64), np.empty(0)
         self._keys = np.empty(0, np.int64)
         self._rows, self._old = np.zeros(64, ROW), np.zeros(64, ROW)
-        self.rows, self.impulse = self._rows[:0], np.zeros_like(self._rest)
+        self.rows = self._rows[:0]
         self._near, self._groups = np.empty(0, np.int64), np.empty(0, np.int64)
         self._live = np.zeros(len(self._rest), bool)
         at_rest = np.empty_like(self._rest)  # in an order that no number of ranks changes
@@ -87,6 +86,7 @@ class SelfContactSolver:
         self.region = TrustRegion(
             self._group, features.triangles, len(self._rest), own, MARGIN * thickness
         )
+        self._solved = True
         self.listings = self.sweeps = self.limited = 0
         self.closest = np.inf
 
@@ -95,8 +95,19 @@ class SelfContactSolver:
         return len(self._keys)
 
     def needs(self, dt: float) -> bool:
-        """Whether a step of dt [s] has to be looked at, by `region`; if not, there are no rows."""
+        """Whether a step of dt [s] has to be looked at, by `region`; if not, there are no rows.
+
+        Raises
+        ------
+        FloatingPointError where parts of the sheet pass each other by a cell in the step
+        """
         self._listing, self._nearing, measuring = self.region.advance(dt)
+        if self._listing and not self.region.step.max() < self._skin / SKIN:
+            self.restore(self.rows[:0])
+            raise FloatingPointError(
+                f"parts of the cloth move by {self.region.step.max():.3g} m against each other in "
+                f"a step of {dt:.3g} s, more than a cell: the step has exploded; take a smaller one"
+            )
         needed = self._listing or self._nearing or measuring
         if not needed:
             self.rows = self._rows[:0]
@@ -110,7 +121,7 @@ class SelfContactSolver:
         dt: float,
         respond: Respond | None = None,
     ) -> bool:
-        """Find rows and their impulses, kept in `rows` and `impulse`; whether there are any.
+        """Find rows and their impulses, kept in `rows`; whether there are any.
 
         x, v, before : (n, 3), positions at the start [m], velocities without rows and those of the
             last step [m/s], left as they are; dt : float [s]
@@ -122,9 +133,23 @@ class SelfContactSolver:
         if not live:
             return False
         self._relax(v, respond)
-        self.impulse[:] = 0.0
-        spread(self.rows, self.impulse)
         return True
+
+    @property
+    def impulse(self) -> np.ndarray:
+        """What the rows of the last step gave to the nodes (n, 3) [N s]."""
+        impulse = np.zeros_like(self._rest)
+        spread(self.rows, impulse)
+        return impulse
+
+    @property
+    def kept(self) -> np.ndarray:
+        """Rows whose impulses the next step begins with: none after a step without an end.
+
+        Layers that leave no room for each other are pushed from both sides, by impulses that grow
+        with every sweep and must not outlive the step.
+        """
+        return self.rows if self._solved else self.rows[:0]
 
     def losses(self, before: np.ndarray, after: np.ndarray) -> tuple[float, float]:
         """What pushes and friction took [J], see `book`."""
@@ -135,12 +160,12 @@ class SelfContactSolver:
         if len(rows) > len(self._rows):
             self._rows = np.zeros(2 * len(rows), ROW)
         self._rows[: len(rows)] = rows
-        self.rows = self._rows[: len(rows)]
+        self.rows, self._solved = self._rows[: len(rows)], True
         self.region.forget()
 
     def _list(self, x):
         f, region = self.features, self.region
-        skin = max(self._skin, 8.0 * float(region.step.diagonal().max()))
+        skin = max(self._skin, min(8.0 * float(region.step.max()), self._skin / SKIN))
         wanted, stale = self._thickness * (1.0 + MARGIN), region.stale(STALE * skin)
         while True:
             found = list_pairs(x, *f[:4], f.numbers, self._group, stale, wanted + skin, self._found)
@@ -173,22 +198,22 @@ class SelfContactSolver:
         f, region = self.features, self.region
         path, step = region.path.ravel(), region.step.ravel()
         if self._listing or self._nearing:
+            region.set_common(v)
             region.begin_near(self._skin / NEAR)
             self._near = np.flatnonzero(self._due <= region.near_limit.ravel()[self._groups])
         while True:
-            found, slack = find_rows(
+            found, slack, nearest = find_rows(
                 x, self._rest, v, f.piece, f.places, *f[:4], self._keys, self._due, self._groups,
-                self._near, path, step, self._thickness, self._recovery, dt, self._mass, self.rows,
+                self._near, path, step, self._thickness, self._recovery, dt, self._mass, self.kept,
                 self._old,
             )  # fmt: skip
             if found <= len(self._old):
                 break
             self._old = np.zeros(2 * found, ROW)
-        region.found(slack, v)
+        region.found(slack)
         self._rows, self._old = self._old, self._rows
         self.rows = self._rows[:found]
-        if found:
-            self.closest = min(self.closest, float(self.rows["distance"].min()))
+        self.closest = min(self.closest, nearest)
 
     def _relax(self, v, respond):
         """Impulses of the rows for velocities v without them."""
@@ -196,10 +221,8 @@ class SelfContactSolver:
         parameters, mobility = np.array(self.friction.parameters, float), self.mobility
         self.sweeps, left, scale, held, swept = 0, 0.0, 0.0, None, v
         for turn in range(1 if respond is None else TURNS):
-            self.impulse[:] = 0.0
-            spread(rows, self.impulse)
-            now = self.impulse * self._free
-            now += v
+            now = v.copy()
+            speed_up(rows, mobility, now)
             held = None if respond is None else respond(now, self._live)
             if held is not None:
                 nodes, after, left_free = held
@@ -207,7 +230,7 @@ class SelfContactSolver:
                 if turn and np.abs(after - swept[nodes]).max() <= LEFT * scale:
                     break
                 mobility[nodes] = left_free
-            set_masses(rows, mobility)
+            set_masses(rows, mobility, self._mass)
             swept = now
             done, first, left, scale = sweep(rows, swept, mobility, parameters, SWEEPS)
             self.sweeps += done
@@ -218,4 +241,5 @@ class SelfContactSolver:
                 break
         else:
             left = np.inf
-        self.limited += left > LEFT * scale
+        self._solved = bool(left <= LEFT * scale)
+        self.limited += not self._solved

@@ -19,27 +19,33 @@ import numpy as np
 from contact.kernel import kernel
 from contact.solver.friction import cone_kernel
 
+FREE = 0.01  # of the mobility of a row: what supports and body have to leave of it
 LEFT = 1e-3  # of the speeds that impulses change: what sweeps may leave
 
 
 @kernel(makes_arrays=False)
-def set_masses(rows: np.ndarray, mobility: np.ndarray) -> None:
-    """Fill the masses of rows (k,) ROW from the mobility (n, 3, 3) [1/kg] of the nodes."""
+def set_masses(rows: np.ndarray, mobility: np.ndarray, mass: np.ndarray) -> None:
+    """Fill the masses of rows (k,) ROW from the mobility (n, 3, 3) [1/kg] of the nodes.
+
+    mass : (n,) [kg]. Rows whose nodes are held but for those that hardly count get none: all that
+    the row lacks would have to come from these, which would be thrown away.
+    """
     for k in range(len(rows)):
         row = rows[k]
-        along = across = other = whole = 0.0
+        along = across = other = whole = sliding = 0.0
         for a in range(4):
             i = row.nodes[a]
+            whole += row.weights[a] ** 2 / mass[i]
             for c in range(3):
-                whole += row.weights[a] ** 2 * mobility[i, c, c]
+                sliding += row.sliding[0, a, c] ** 2 / mass[i]
                 for e in range(3):
                     y = mobility[i, c, e]
                     along += row.weights[a] ** 2 * row.normal[c] * y * row.normal[e]
                     across += row.sliding[0, a, c] * y * row.sliding[0, a, e]
                     other += row.sliding[1, a, c] * y * row.sliding[1, a, e]
         across = max(across, other)
-        row.mass = 1.0 / along if along > 1e-9 * whole else 0.0
-        row.rub_mass = 1.0 / across if across > 1e-9 * whole else 0.0
+        row.mass = 1.0 / along if along > FREE * whole else 0.0
+        row.rub_mass = 1.0 / across if across > FREE * sliding else 0.0
         if row.mass == 0.0:
             row.push = 0.0
         if row.mass == 0.0 or row.rub_mass == 0.0:
@@ -81,6 +87,54 @@ def spread(rows: np.ndarray, impulse: np.ndarray) -> None:
                     + row.rub[0] * row.sliding[0, a, c]
                     + row.rub[1] * row.sliding[1, a, c]
                 )
+
+
+@kernel(makes_arrays=False)
+def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray) -> None:
+    """Add what rows (k,) ROW change to velocities v (n, 3) [m/s]; mobility (n, 3, 3) [1/kg]."""
+    for k in range(len(rows)):
+        row = rows[k]
+        for a in range(4):
+            i = row.nodes[a]
+            for c in range(3):
+                given = (
+                    row.push * row.weights[a] * row.normal[c]
+                    + row.rub[0] * row.sliding[0, a, c]
+                    + row.rub[1] * row.sliding[1, a, c]
+                )
+                v[i, c] += mobility[i, c, c] * given
+
+
+@kernel(makes_arrays=False)
+def give(
+    rows: np.ndarray,
+    begin: int,
+    held: np.ndarray,
+    mass: np.ndarray,
+    v: np.ndarray,
+    support: np.ndarray,
+) -> None:
+    """Add what rows (k,) ROW give to the nodes of a rank to their velocities or to their supports.
+
+    begin : int, the first of these nodes; held : (m, 3) bool, components that supports hold
+    mass : (m,) [kg]; v, support : (m, 3) [m/s, N s], the impulse of supports on the nodes
+    """
+    for k in range(len(rows)):
+        row = rows[k]
+        for a in range(4):
+            i = row.nodes[a] - begin
+            if i < 0 or i >= len(mass):
+                continue
+            for c in range(3):
+                given = (
+                    row.push * row.weights[a] * row.normal[c]
+                    + row.rub[0] * row.sliding[0, a, c]
+                    + row.rub[1] * row.sliding[1, a, c]
+                )
+                if held[i, c]:
+                    support[i, c] -= given
+                else:
+                    v[i, c] += given / mass[i]
 
 
 @cache

@@ -214,6 +214,7 @@ class TrustRegion:
     def forget(self) -> None:
         """Nothing is known: positions have been set by others."""
         self.limit[:] = -np.inf
+        self.path[:] = 0.0
         self._fresh = True
 
     def stale(self, left: float) -> np.ndarray:
@@ -236,8 +237,11 @@ class TrustRegion:
         np.maximum(4.0 * self.step, skin, out=self.near_limit)
         self.near_limit += self.path
 
-    def found(self, slack: float, v: np.ndarray) -> None:
-        """Pairs near need no look while the path grows by less than `slack`; v (n, 3), of all."""
+    def found(self, slack: float) -> None:
+        """Pairs near need no look while the path grows by less than `slack` [m]."""
         self._mark[:] = self.path
         self._slack = slack
+
+    def set_common(self, v: np.ndarray) -> None:
+        """Take the means of the velocities v (n, 3) of all nodes [m/s] for those of the groups."""
         mean_velocities(v, self._nodes, self._begin, self._common, self._apart)

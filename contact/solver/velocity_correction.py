@@ -187,7 +187,7 @@ class VelocityCorrection:
 
         By what the last step has found: a node that the body reaches suddenly is missed.
         """
-        near = 2.0 * dt * np.sqrt(np.einsum("ij,ij->i", v, v)) + float(self._work["motion"])
+        near = 2.0 * dt * np.sqrt((v * v).sum(axis=1)) + float(self._work["motion"])
         return ~(self._away[nodes] > near)
 
     def preview(

@@ -25,6 +25,7 @@ from contact.self_contact.features import features
 from contact.self_contact.intersections import count_intersections
 from contact.self_contact.rows import ROW
 from contact.self_contact.solver import SelfContactSolver
+from contact.self_contact.sweeps import give
 from contact.solver.friction import Friction, as_friction
 from meshes import Surface
 from meshes.topology import cut_quads, straight_cells
@@ -57,7 +58,7 @@ class ExplicitSelfContact(Part):
     closest : float [m], least distance of a pair that was near the thickness, inf without one
     thickness : float [m]; friction : Friction, may be changed
     losses : (2,) float [J], of impact and of friction so far, the same on every rank
-    impulse : (n_owned, 3) [N s], on the nodes in the last step; seconds : time it has cost
+    seconds : float, time it has cost
     held : (n_owned, 3) bool, components that supports hold
     own : slice, of this rank's nodes among those of all ranks
     """
@@ -84,7 +85,6 @@ class ExplicitSelfContact(Part):
         self._x = np.empty((stepper.n_owned, 3))
         self.pairs = self.most_pairs = 0
         self.losses, self.seconds = np.zeros(2), 0.0
-        self.impulse = np.zeros((stepper.n_owned, 3))
 
     @property
     def friction(self) -> Friction:
@@ -142,9 +142,7 @@ class ExplicitSelfContact(Part):
         self.pairs = len(solver.rows)
         self.most_pairs = max(self.most_pairs, self.pairs)
         if met:
-            self.impulse[:] = solver.impulse[self.own]
-            v += np.where(self.held, 0.0, self.impulse) / stepper.mass[:, None]
-            stepper.support_impulse -= np.where(self.held, self.impulse, 0.0)
+            give(solver.rows, self.own.start, self.held, stepper.mass, v, stepper.support_impulse)
         self.seconds += time.perf_counter() - start
         return met
 
@@ -176,7 +174,7 @@ class ExplicitSelfContact(Part):
 
     def state(self) -> Any:
         """See Part."""
-        return self.solver.rows.copy(), self.losses.copy()
+        return self.solver.kept.copy(), self.losses.copy()
 
     def restore(self, state: Any) -> None:
         """Continue from `state()`."""
@@ -185,7 +183,7 @@ class ExplicitSelfContact(Part):
 
     def saved(self) -> dict[str, Any]:
         """See Part."""
-        rows = self.solver.rows
+        rows = self.solver.kept
         counts = [self.most_pairs, self.limited, self.listings, self.closest]
         return {
             "self_contact_keys": rows["key"].copy(),

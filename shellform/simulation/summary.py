@@ -108,7 +108,10 @@ def _itself_lines(found, crossings):
         near = (
             f"{found['pairs_most']} pairs at most, {1e3 * found['closest']:.2f} mm apart at least"
         )
-    lines = [f"cloth on cloth: {near}; {crossings} edges through triangles at most"]
+    line = f"cloth on cloth: {near}; {crossings} edges through triangles at most"
+    if crossings:
+        line += ": dressed without self_contact?"
+    lines = [line]
     if found["steps_at_limit"]:
         lines.append(f"cloth on cloth was not solved to the end in {found['steps_at_limit']} steps")
     return lines

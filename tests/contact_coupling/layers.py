@@ -86,12 +86,105 @@ def on_an_incline(tangent, friction=0.5):
     return stepper, stepper.add(SelfContact(friction)), shell.partition.owned_nodes >= begins[1]
 
 
+def smooth(share):
+    """0 to 1 without a jerk."""
+    s = min(max(share, 0.0), 1.0)
+    return s**3 * (10 - 15 * s + 6 * s * s)
+
+
+def folded(cells, seconds):
+    """The right edge of a sheet is laid over its left half, which is held; it then hangs on it."""
+    surface = meshes.rectangle(0.4, 0.2, (2 * cells, cells))
+    shell = Shell(surface, cloth())
+    shell.loads.gravity((0.0, 0.0, -G))
+    shell.supports.hold(np.flatnonzero(surface.points[:, 0] < 0.15))
+
+    def over(time):
+        a, r = np.pi * smooth(time / seconds), 0.15
+        return np.array([0.2 + r * np.cos(a) - 0.35, 0.0, r * np.sin(a) + 8e-3 * a / np.pi])
+
+    shell.supports.move("right", over)
+    stepper = Newmark(shell, 0.8, drag=1.0, damping=2e-4)
+    return stepper, stepper.add(SelfContact(0.3))
+
+
+def wrung(cells, seconds, turns=2.0):
+    """A towel whose ends are turned against each other, coming closer meanwhile."""
+    length, width = 0.4, 0.12
+    surface = meshes.rectangle(length, width, (round(cells * length / width), cells))
+    surface = surface.transform(translation=(-0.5 * length, -0.5 * width, 0.0))
+    shell = Shell(surface, cloth())
+    for edge, side in (("left", -1.0), ("right", 1.0)):
+        nodes = shell.partition.find(edge)
+        x = surface.points[nodes]
+
+        def turn(time, x=x, side=side):
+            s = smooth(time / seconds)
+            a = side * np.pi * turns * s
+            y, z = np.cos(a) * x[:, 1] - np.sin(a) * x[:, 2], np.sin(a) * x[:, 1]
+            return np.stack([x[:, 0] - 0.06 * side * s, y, z + np.cos(a) * x[:, 2]], axis=1) - x
+
+        shell.supports.move(nodes, turn)
+    stepper = Newmark(shell, 0.8, drag=2.0, damping=2e-4)
+    stepper.v[:, 2] = 0.02 * np.sin(31 * surface.points[shell.partition.owned_nodes, 0])
+    return stepper, stepper.add(SelfContact(0.3))
+
+
+def crossing_legs(size, seconds):
+    """Trousers that hang by the waist while each hem goes to the other side: the legs cross."""
+    surface = meshes.trousers(cell_size=size)
+    shell = Shell(surface, cloth())
+    shell.loads.gravity((0.0, 0.0, -G))
+    shell.supports.hold("waist")
+    hems = [name for name in surface.edges if "hem" in name]
+    for edge in hems:
+        side = np.sign(surface.points[np.unique(surface.edges[edge]), 1].mean())
+
+        def go(time, side=side):  # past each other first, then across
+            s = 2.0 * time / seconds
+            across, up = -0.3 * side * smooth(s - 1.0), 0.05 * smooth(s - 1.0)
+            return np.array([0.16 * side * smooth(s), across, up])
+
+        shell.supports.move(edge, go)
+    stepper = Newmark(shell, 0.8, drag=2.0, damping=2e-4)
+    return stepper, stepper.add(SelfContact(0.3))
+
+
 def check(stepper):
-    """No edge through a triangle, by a checker of the tests' own; all ranks call."""
+    """No edge through a triangle, by a checker of the tests' own; all ranks call.
+
+    Returns positions (n, 3) [m] and triangles (m, 3).
+    """
     shell = stepper.shell
-    x = shell.positions()
+    x, triangles = shell.positions(), triangles_of(shell.surface)
     found = stepper.self_contact.intersections()
-    assert found == crossings(x, triangles_of(shell.surface)) == 0
+    assert found == crossings(x, triangles) == 0
+    return x, triangles
+
+
+SCENES = {
+    "folded": lambda: (folded(4, 0.5)[0], 0.6),
+    "wrung": lambda: (wrung(4, 0.8)[0], 0.9),
+    "fine folded": lambda: (folded(16, 0.6)[0], 0.8),
+    "fine wrung": lambda: (wrung(16, 1.0)[0], 1.2),
+    "fine sheets": lambda: (dropped(cells=20)[0], 0.05),
+    "layers": lambda: (stacked(6)[0], 0.5),
+    "legs": lambda: (crossing_legs(0.035, 0.8)[0], 1.0),
+}
+QUICK = ("folded", "wrung")
+
+
+def frames(name, count=10):
+    """Positions at the outputs of a scene, and its triangles; each is checked."""
+    stepper, seconds = SCENES[name]()
+    found = []
+    for k in range(1, count + 1):
+        stepper.advance(seconds * k / count)
+        x, triangles = check(stepper)
+        found.append(x)
+    assert stepper.self_contact.most_pairs > 10
+    assert stepper.self_contact.closest > 0.9 * THICKNESS
+    return np.array(found), triangles
 
 
 def state(stepper):

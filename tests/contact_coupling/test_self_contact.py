@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Cloth on cloth in explicit steps: momenta, energy, weight, friction, ranks, going on."""
 
+import os
 import subprocess
 import sys
 
@@ -17,12 +18,15 @@ from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.dynamics.mass_spring import Particles
 from shellform.results.ledger import Ledger
 from tests.contact_coupling.layers import (
+    QUICK,
+    SCENES,
     THICKNESS,
     G,
     advance,
     check,
     cloth,
     dropped,
+    frames,
     main,
     on_an_incline,
     scene_of_ranks,
@@ -31,6 +35,8 @@ from tests.contact_coupling.layers import (
     state,
 )
 from tests.ranks import launch, needs_mpirun
+
+ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.thorough) for n in SCENES]
 
 
 @pytest.mark.parametrize(
@@ -106,6 +112,49 @@ def test_five_layers_rest_on_a_sphere():
 @pytest.mark.thorough
 def test_five_fine_layers_rest_on_a_sphere():
     layers_rest(10, 2.0)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_nothing_passes(name):
+    """No edge through a triangle at any output, by a checker that knows nothing of ours."""
+    frames(name)
+
+
+@pytest.fixture
+def ipctk():
+    """A Python that has ipctk: this one, or that of IPCTK_PYTHON."""
+    for path in filter(None, (sys.executable, os.environ.get("IPCTK_PYTHON"))):
+        if not subprocess.run([path, "-c", "import ipctk"], capture_output=True).returncode:
+            return path
+    pytest.skip("no ipctk: name a Python with `pip install ipctk` in IPCTK_PYTHON")
+
+
+JUDGE = """
+import sys, ipctk, numpy as np
+file = np.load(sys.argv[1])
+triangles = file["triangles"]
+mesh = ipctk.CollisionMesh(file["x"][0], ipctk.edges(triangles), triangles)
+print([bool(ipctk.has_intersections(mesh, x)) for x in file["x"]])
+"""
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("name", ALL)
+def test_ipctk_finds_nothing(name, ipctk, tmp_path):
+    """Another program's checker agrees; it does see sheets that pass through each other."""
+    x, triangles = frames(name)
+    through = x[-1].copy()
+    a, b, c = through[triangles[0]]
+    node = np.setdiff1d(np.arange(len(through)), triangles[0])[-1]
+    edge = triangles[(triangles == node).any(axis=1)][0]
+    other = edge[edge != node][0]
+    through[other] = (a + b + c) / 3 - 0.01 * np.cross(b - a, c - a) / np.linalg.norm(b - a) ** 2
+    through[node] = 2 * (a + b + c) / 3 - through[other]
+    np.savez(tmp_path / "x.npz", x=[*x, through], triangles=triangles)
+    done = subprocess.run(
+        [ipctk, "-c", JUDGE, tmp_path / "x.npz"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == str([False] * len(x) + [True])
 
 
 @pytest.mark.parametrize("seconds", [0.5, pytest.param(10.0, marks=pytest.mark.thorough)])
