@@ -174,8 +174,8 @@ def _body_caveats(scenes: list) -> list[str]:
     )
     if hard:
         found.append(
-            "Bodies are ellipsoids, rigid but where two parts press cloth against each other: flesh "
-            f"gives way with {number(hard[0].contact.flesh_stiffness, 2)} Pa/m there, an "
+            "Bodies are ellipsoids, rigid but where two parts press cloth against each other: "
+            f"flesh gives way with {number(hard[0].contact.flesh_stiffness, 2)} Pa/m there, an "
             "estimate. In strongly bent joints this softness sets the torque."
         )
     if any(scene.contact.flesh_bed for scene in scenes):

@@ -31,7 +31,6 @@ class Recorders:
     ----------
     joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure on ellipsoids, and
         vertices : SurfacePressure on a body of triangles, or None if not asked for
-    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure, or None if not asked for
     crossings : Crossings, None where cloth does not meet cloth
     counted : begin and end [s] of what counts for torque and pressure, see `counted`; depths
     and the ledger are kept throughout
