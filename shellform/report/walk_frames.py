@@ -15,10 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellform.fem.arc import arc_lengths, sides_at_rest
+from shellform.fem.arc import sides_at_rest
 from shellform.motion.wearer import Wearer
 from shellform.pictures.views import heading_at
 from shellform.pictures.walk import obstacle_of, series_files
+from shellform.results.stretch import stretch_of_cells
 from shellform.scene.garment import garment_of
 
 from .finished_run import FinishedRun
@@ -115,14 +116,10 @@ def _stretches(run, meshes):
     cells = meshes[0].cells[0].data
     if surface.points.shape != meshes[0].points.shape or surface.cells.shape != cells.shape:
         return None
-    corners = cells[:, : 4 if cells.shape[1] > 3 else 3]
-    pairs = np.stack([corners, np.roll(corners, -1, axis=1)], 2).reshape(-1, 2)
-    at_rest = sides_at_rest(surface).ravel()
+    at_rest = sides_at_rest(surface)
     return np.array(
         [
-            (arc_lengths(mesh.points[pairs], mesh.point_data["director"][pairs]) / at_rest - 1)
-            .reshape(corners.shape)
-            .max(axis=1)
+            stretch_of_cells(mesh.points, mesh.point_data["director"], surface, at_rest)
             for mesh in meshes
         ]
     )

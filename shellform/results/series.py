@@ -9,6 +9,7 @@ import numpy as np
 from shellform.fem.shell import Shell
 
 from .files import write_atomically
+from .stretch import stretch_of_cells
 
 WRINKLES = "wrinkling", "crest", "wrinkle_strain"  # cell data, those of `Wrinkling`
 
@@ -29,9 +30,10 @@ class Series:
             lines = [one for one in self.index.read_text().splitlines() if "<DataSet" in one]
             self.lines = [one for one in lines if float(one.split('"')[1]) <= until + 1e-9]
 
-    def write(self, shell: Shell, time: float, **fields: np.ndarray) -> None:
+    def write(self, shell: Shell, time: float, stretch: bool = False, **fields: np.ndarray) -> None:
         """Add the present state of a shell at a time [s] or load level.
 
+        stretch : whether cells get theirs, see stretch.py
         fields : further nodal values by name, (n,) or (n, 3) in the surface's numbering, on rank 0
 
         Cells of a relaxed sheet have `wrinkling` (0 taut, 1 wrinkled, 2 slack), `crest` and
@@ -55,6 +57,8 @@ class Series:
         if wrinkles is not None:
             named = zip(WRINKLES, wrinkles, strict=True)
             cells = {name: [values] for name, values in named}
+        if stretch:
+            cells["stretch"] = [stretch_of_cells(positions, directors, surface)]
         meshio.Mesh(positions, [(kind, surface.cells)], data, cells).write(part)
         os.replace(part, path)
         self.lines.append(

@@ -141,7 +141,7 @@ class Crossings(Part):
 
 
 def write_frame(model: Model, series: Series, force: np.ndarray) -> None:
-    """Write a frame with the contact force [N] on the cloth and its pressure [Pa]."""
+    """Write a frame with the contact force [N] on the cloth, its pressure [Pa] and stretch."""
     stepper, shell = model.stepper, model.shell
     gather = shell.partition.gather
     size = np.linalg.norm(force, axis=-1) * np.ones(stepper.n_owned)
@@ -151,7 +151,7 @@ def write_frame(model: Model, series: Series, force: np.ndarray) -> None:
     fields = {}
     if whole is not None:
         fields = {"contact_force": whole[:, :3], "contact_pressure": whole[:, 3]}
-    series.write(shell, stepper.time, **fields)
+    series.write(shell, stepper.time, stretch=True, **fields)
 
 
 def dressing_watcher(model: Model, out: Path, watch: Callable | None) -> Callable:

@@ -9,6 +9,7 @@ import meshes
 from shellform import Fabric, Shell
 from shellform.fem.cell_membrane import CellMembrane
 from shellform.results.series import WRINKLES, Series
+from shellform.results.stretch import stretch_of_cells
 
 
 def shortened(wrinkles, comm):
@@ -44,3 +45,23 @@ def test_resolved_sheets_have_none_computed(shared_tmp_path, comm, monkeypatch):
     assert meshio.read(shared_tmp_path / "series/0000.vtu").cell_data == {}
     with pytest.raises(AssertionError):
         Series(shared_tmp_path).write(shortened("relaxed", comm), 0.0)
+
+
+def test_stretch_is_that_of_the_longest_side(shared_tmp_path, comm):
+    """A sheet stretched by 3 % along x and 5 % along y, and one that is rolled up: none."""
+    surface = meshes.rectangle(0.3, 0.2, (3, 2))
+    shell = Shell(surface, Fabric.isotropic(1e6, 0.3, 1e-3, 200.0), comm)
+    points = surface.points[shell.partition.nodes]
+    shell.w.x.array.reshape(-1, 6)[:, :2] = points[:, :2] * [0.03, 0.05]
+    Series(shared_tmp_path).write(shell, 0.0, stretch=True)
+    comm.Barrier()
+    (found,) = meshio.read(shared_tmp_path / "series/0000.vtu").cell_data["stretch"]
+    assert found == pytest.approx(0.05, rel=1e-9)
+    angle = surface.points[:, 0] / 0.2
+    rolled = np.stack([0.2 * np.sin(angle), surface.points[:, 1], 0.2 - 0.2 * np.cos(angle)], 1)
+    directors = np.stack([-np.sin(angle), 0 * angle, np.cos(angle)], 1)
+    assert np.abs(stretch_of_cells(rolled, directors, surface)).max() < 1e-3
+    # the chords are 1 % shorter
+    assert np.linalg.norm(rolled[1] - rolled[0]) < 0.995 * np.linalg.norm(
+        surface.points[1] - surface.points[0]
+    )
