@@ -66,6 +66,7 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 
 [contact]
 friction = 0.3
+# self_contact = true       # cloth meets cloth too, see docs/self_contact.md
 
 [steps]
 accuracy = "draft"          # standard, fine, or a percentage
