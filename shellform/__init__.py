@@ -19,6 +19,9 @@ from .all_ranks import watch_exceptions
 from .launcher import refuse_another
 
 if TYPE_CHECKING:
+    from contact.body.blended_surface import BlendedSurface
+    from contact.body.flesh_bed import Flesh
+    from contact.body.rigid_surface import RigidSurface
     from contact.body.segments import Body, Fixed, Segment
     from contact.solver.friction import Friction
     from meshes import MeshError
@@ -66,7 +69,10 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     # bodies and contact
     "Body",
     "Segment",
+    "RigidSurface",
+    "BlendedSurface",
     "Fixed",
+    "Flesh",
     "Friction",
     "Contact",
     "SelfContact",
@@ -93,12 +99,14 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
 ]
 
 _HOMES = {
+    "BlendedSurface": "contact.body.blended_surface",
     "Body": "contact.body.segments",
     "CompilerError": "shellform.errors",
     "Contact": "shellform.contact_coupling.contact",
     "Fabric": "shellform.material.fabric",
     "FabricError": "shellform.material.fabric",
     "Fixed": "contact.body.segments",
+    "Flesh": "contact.body.flesh_bed",
     "Friction": "contact.solver.friction",
     "ImplicitNewmark": "shellform.dynamics.implicit",
     "Ledger": "shellform.results.ledger",
@@ -107,6 +115,7 @@ _HOMES = {
     "NotConverged": "shellform.errors",
     "Particles": "shellform.dynamics.mass_spring",
     "Ply": "shellform.material.laminate",
+    "RigidSurface": "contact.body.rigid_surface",
     "Scene": "shellform.scene.scene",
     "Segment": "contact.body.segments",
     "SelfContact": "shellform.contact_coupling.self_contact",

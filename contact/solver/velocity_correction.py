@@ -16,6 +16,7 @@ the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -117,7 +118,7 @@ class VelocityCorrection:
                 "apart as soft ones; give several one carrier, or leave them hard"
             )
         self._friction = as_friction(friction)
-        self._correct = correction_kernel(self._friction.kinetic_coefficient)
+        self._correct = self._kernel_of(self._friction)
         self._offset = float(offset)
         self._step = step_record(self._friction, self._offset)
         self._step["flesh"], self._step["recovery_speed"] = flesh, recovery
@@ -163,16 +164,23 @@ class VelocityCorrection:
         old = v if v_old is None else v_old
         self._check(x, v, mass, old, dt, t)
         self._move(t, t + dt)
+        bad = self._run(x, v, old, mass, dt)
+        if bad:
+            self._refuse(bad - 1, x, v, mass, t)
+        self.last.seconds = dt
+        self.window.seconds += dt
+
+    def _run(self, x, v, old, mass, dt):
+        """Correct v; 0, or the number + 1 of a node that is not finite."""
         last, window = self.last, self.window
-        bad = self._correct(
+        return self._correct(
             x, v, old, mass, dt, self.fixed, self._sets, self._look, self._guards, self._away,
             self._gaps, self._node, self._step, self._segments, self._planes, self._beds,
             last.impulse, last.table, window.impulse, window.table,
         )  # fmt: skip
-        if bad:
-            self._refuse(bad - 1, x, v, mass, t)
-        last.seconds = dt
-        window.seconds += dt
+
+    def _kernel_of(self, friction: Friction) -> Any:
+        return correction_kernel(friction.kinetic_coefficient)
 
     def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float, least: float) -> np.ndarray:
         """Whether nodes (k,) int with velocities v (k, 3) touch the body or may, in a step dt [s].
@@ -269,7 +277,7 @@ class VelocityCorrection:
     @friction.setter
     def friction(self, value: Friction | ArrayLike) -> None:
         self._friction = as_friction(value)
-        self._correct = correction_kernel(self._friction.kinetic_coefficient)
+        self._correct = self._kernel_of(self._friction)
         set_friction(self._step, self._friction)
 
     @property

@@ -16,13 +16,16 @@ goes to the support. Nodes held in all three are not met.
 """
 
 import time
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
+from contact.body.flesh_bed import Flesh
 from contact.body.segments import Body
+from contact.body.surface_motion import SurfaceMotion
 from contact.kernel import kernel
 from contact.solver.cell_samples import (
     collect,
@@ -53,19 +56,27 @@ def positions(points: np.ndarray, owned: np.ndarray, x: np.ndarray) -> None:
         x[i, 2] = points[i, 2] + owned[i, 2]
 
 
+def thin_to(cloth: Any, body: Body, offset: float) -> list[int]:
+    """Numbers of the segments of a body that pass between nodes of a sheet's surface."""
+    span = spans(cloth.points, straight_cells(cloth.cells)).max()
+    return thin_segments(body.shapes, span, offset)
+
+
 class ExplicitContact(RunningContact):
     """Contact of a sheet with a body in explicit steps; `stepper.add(Contact(body))` makes it.
 
     Parameters
     ----------
     stepper : Stepper, explicit
-    body, friction, offset, samples, flesh_stiffness, recovery : see Contact
+    body, friction, offset, samples, flesh_stiffness, recovery, flesh, surface, smooth,
+        shapes : see Contact
     self_contact : SelfContact or None
 
     Attributes
     ----------
     body, last, window, ... : see RunningContact
-    correction : VelocityCorrection, with its counters and ledgers, those of samples included
+    correction : VelocityCorrection, SurfaceCorrection or UnionCorrection, with its counters and
+        ledgers, those of samples included
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
     edges : EdgeContact, or None where no segment can pass between nodes
@@ -79,12 +90,16 @@ class ExplicitContact(RunningContact):
     def __init__(
         self,
         stepper: Any,
-        body: Body,
+        body: Any,
         friction: Any,
         offset: float | None,
         samples: int | str,
         flesh_stiffness: float | None,
         recovery: float,
+        flesh: Flesh | None = None,
+        surface: SurfaceMotion | None = None,
+        smooth: bool = True,
+        shapes: Sequence[str] = (),
         self_contact: Any = None,
     ) -> None:
         n = stepper.n_owned
@@ -95,34 +110,56 @@ class ExplicitContact(RunningContact):
         areal = stepper.shell.fabric.areal_mass
         self._flesh = flesh_stiffness or np.inf
         self.watches_beds = False
-        self._how = {"recovery": recovery}
+        thin = [] if surface is not None else thin_to(stepper.shell.surface, body, offset)
+        self._how: dict[str, Any] = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
-        self.correction = VelocityCorrection(body, n, friction, offset, fixed=fixed, **self._how)
+        self.flesh = flesh
+        self.correction: Any
+        if surface is not None:
+            # its kernels are loaded for surfaces only
+            from .surface_contact import correction_of
+
+            self.correction = correction_of(
+                surface, body, n, friction, offset, fixed, recovery, smooth, samples,
+                flesh_stiffness, shapes,
+            )  # fmt: skip
+        elif flesh is not None:
+            # its kernels are loaded for flesh only
+            from contact.solver.flesh_correction import FleshCorrection
+
+            self.correction = FleshCorrection(
+                body, n, friction, offset, fixed=fixed, flesh=flesh, areal_mass=areal, hard=thin,
+                **self._how,
+            )  # fmt: skip
+        else:
+            self.correction = VelocityCorrection(
+                body, n, friction, offset, fixed=fixed, **self._how
+            )
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
         self._free = np.empty_like(stepper.v)
         self.inner = None
         k: Any = 0 if samples == "nodes" else samples
-        if k != 0:
-            self._inside(stepper, body, friction, offset, midpoints(k))
-        surface, self.edges = stepper.shell.surface, None
-        span = spans(surface.points, straight_cells(surface.cells)).max()
-        if thin_segments(body.shapes, span, offset):
-            # its kernels are loaded for thin segments only
-            from .edge_contact import EdgeContact
-
-            self.edges = EdgeContact(stepper, self.correction, offset, recovery)
-        self.pressed = None
-        if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
-            self.pressed = PressedCells(stepper)
+        self.edges = self.pressed = None
         self.cloth = None
         if self_contact is not None:
             # only here: its kernels are loaded for those who ask for it
             from .explicit_self_contact import ExplicitSelfContact
 
             self.cloth = ExplicitSelfContact(stepper, self_contact)
+        if surface is not None:
+            return
+        if k != 0:
+            self._inside(stepper, body, friction, offset, midpoints(k))
+        if thin:
+            # its kernels are loaded for thin segments only
+            from .edge_contact import EdgeContact
+
+            self.edges = EdgeContact(stepper, self.correction, offset, recovery)
+        if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
+            self.pressed = PressedCells(stepper)
 
     def attach(self, stepper: Any) -> Self:
         """Start to meet the sheet of a stepper; returns self."""

@@ -155,6 +155,8 @@ class Stepper:
     def remove(self, part: Part) -> None:
         """Let a part run no longer."""
         self.parts.remove(part)
+        if part is self.contact:
+            self.contact = None
 
     def set_contact(self, contact: RunningContact) -> None:
         """Take over a contact; ValueError if there is one, or if its books came first."""
@@ -276,7 +278,10 @@ class _Context:
         self.stepper = stepper
 
     def solveStep(self, ts, t, u):
-        self.stepper.step(ts.getTimeStep())
+        dt = ts.getTimeStep()
+        # the traceback of an error that somebody keeps would keep them beyond the end of PETSc
+        del ts, u
+        self.stepper.step(dt)
 
     def adaptStep(self, ts, t, u):
         return self.stepper.next_dt(), True

@@ -29,7 +29,8 @@ class Recorders:
 
     Attributes
     ----------
-    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure, or None if not asked for
+    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure on ellipsoids, and
+        vertices : SurfacePressure on a body of triangles, or None if not asked for
     crossings : Crossings, None where cloth does not meet cloth
     counted : begin and end [s] of what counts for torque and pressure, see `counted`; depths
     and the ledger are kept throughout
@@ -45,7 +46,13 @@ class Recorders:
         if model.contact.cloth is not None:
             self.crossings = add(Crossings(resumed))
         self.skin = None
-        if output.pressure:
+        self.vertices = None
+        if output.pressure and model.skin is not None:
+            # only here, as below; on triangles it is found at their vertices
+            from shellform.results.surface_pressure import SurfacePressure
+
+            self.vertices = add(SurfacePressure(resumed))
+        elif output.pressure:
             # only here: it compiles a kernel of its own
             from shellform.results.skin_pressure import Pressure
 
@@ -59,10 +66,12 @@ class Recorders:
         force : (n_owned, 3) [N], mean of contact on the nodes in the window
         """
         self.joints.record(time)
+        begin, end = self.counted
+        whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
         if self.skin:
-            begin, end = self.counted
-            whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
             self.skin.record(time, whole)
+        if self.vertices:
+            self.vertices.record(time, whole)
         if self.crossings is not None:
             self.crossings.count()
         force = self._window.impulse / self._window.seconds

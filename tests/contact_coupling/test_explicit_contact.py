@@ -12,17 +12,24 @@ from shellform.dynamics.explicit import Newmark
 from shellform.fem.director import rotation_matrix
 from shellform.fem.lumped_mass import nodal_areas
 from shellform.results.ledger import Ledger
+from tests.contact.solver.surfaces import ball, box, tube
 
 CLOTH = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "thickness": 1e-3, "density": 200.0}
 G = 9.81
+
+
+# the same bodies of triangles, with a sagitta of 2 mm
+KINDS = pytest.mark.parametrize(
+    "kind", ["ellipsoid", pytest.param("triangles", marks=pytest.mark.serial)]
+)
 
 
 def sphere(radius=0.25, centre=(0.0, 0.0, -0.25)):
     return Body([Segment("sphere", [radius] * 3, Fixed(centre))])
 
 
-def over_sphere(cells=10, turn=None, friction=0.3, height=2e-3, **damping):
-    """A square of 0.5 m a little above a sphere, the whole scene turned by a rotation."""
+def over_sphere(cells=10, turn=None, friction=0.3, height=2e-3, body=None, **damping):
+    """A square of 0.5 m a little above a limb, the whole scene turned by a rotation."""
     turn = np.eye(3) if turn is None else turn
     surface = meshes.rectangle(
         0.5, 0.5, (cells, cells), parameters=meshes.distorted((cells, cells), 0.1, seed=1)
@@ -30,9 +37,10 @@ def over_sphere(cells=10, turn=None, friction=0.3, height=2e-3, **damping):
     surface = surface.transform(rotation=turn)
     shell = Shell(surface, Fabric.isotropic(**CLOTH))
     shell.loads.gravity(turn @ [0.0, 0.0, -G])
-    body = Body([Segment("limb", (0.2, 0.3, 0.25), Fixed(turn @ [0, 0, -0.25], turn.T))])
+    place = Fixed(turn @ [0, 0, -0.25], turn.T)
+    limb = body(place) if body else Body([Segment("limb", (0.2, 0.3, 0.25), place)])
     stepper = Newmark(shell, 0.8, **damping)
-    return stepper, stepper.add(Contact(body, friction))
+    return stepper, stepper.add(Contact(limb, friction))
 
 
 def test_momentum_closes_in_every_step():
@@ -88,15 +96,24 @@ def test_forces_turn_with_the_scene():
     assert np.abs(turned_place - place @ R.T).max() < 1e-9
 
 
-@pytest.mark.parametrize("speed", [0.1, 1.0, 10.0, 100.0])
-def test_impact_of_a_patch(speed):
+@pytest.mark.parametrize(
+    ("kind", "speed"),
+    [
+        *[("ellipsoid", v) for v in (0.1, 1.0, 10.0, 100.0)],
+        ("triangles", 1.0),
+        ("triangles", 100.0),
+    ],
+)
+def test_impact_of_a_patch(kind, speed):
     """No tunnelling, momentum exact, energy never grows, at any speed."""
     surface = meshes.rectangle(0.1, 0.1, (6, 6)).transform(translation=(-0.05, -0.05, 0.01))
     shell = Shell(surface, Fabric.isotropic(**CLOTH))
     stepper = Newmark(shell, 0.2)
     stepper.v[:, 2] = -speed
     # a large sphere: a patch thrown at it at this speed would cross it many times over
-    stepper.add(Contact(sphere(0.3, (0.0, 0.0, -0.3)), friction=0.3))
+    centre = (0.0, 0.0, -0.3)
+    body = sphere(0.3, centre) if kind == "ellipsoid" else ball(0.3, 3, centre)
+    stepper.add(Contact(body, friction=0.3))
     ledger = stepper.add(Ledger())
     first = ledger.record()
     last = start = first["kinetic"] + first["strain"]
@@ -116,8 +133,10 @@ def test_impact_of_a_patch(speed):
     assert ledger.rows[-1]["time"] > 0.01 / speed  # it has met the body
 
 
-@pytest.mark.parametrize("slope", [0.4, 0.6])
-def test_patch_on_an_incline(slope):
+@pytest.mark.parametrize(
+    ("kind", "slope"), [("ellipsoid", 0.4), ("ellipsoid", 0.6), ("triangles", 0.6)]
+)
+def test_patch_on_an_incline(kind, slope):
     """mu = 0.5: below it sticks for good, above it slides by (sin - mu cos) g t^2/2."""
     radius, mu = 1e4, 0.5
     surface = meshes.rectangle(0.02, 0.02, (2, 2)).transform(translation=(-0.01, -0.01, 5e-4))
@@ -125,7 +144,10 @@ def test_patch_on_an_incline(slope):
     angle = np.arctan(slope)
     shell.loads.gravity(G * np.array([np.sin(angle), 0.0, -np.cos(angle)]))
     stepper = Newmark(shell, 0.9)
-    touch = stepper.add(Contact(sphere(radius, (0.0, 0.0, -radius)), friction=mu))
+    body = sphere(radius, (0.0, 0.0, -radius))
+    if kind == "triangles":
+        body = box([3.0, 1.0, 0.1], 20, Fixed((1.0, 0.0, -0.1)))
+    touch = stepper.add(Contact(body, friction=mu))
     seconds = 10.0 if slope < mu else 1.0
     stepper.advance(seconds)
     travel = shell.displacements()[:, 0]
@@ -137,7 +159,7 @@ def test_patch_on_an_incline(slope):
         assert travel.mean() == pytest.approx(exact, rel=1e-3)
 
 
-def belt_ratio(cells, mu=0.3, radius=0.1, width=0.02):
+def belt_ratio(cells, kind="ellipsoid", mu=0.3, radius=0.1, width=0.02):
     """Tension pulled over tension held of a belt that slides over half a cylinder."""
     tail = 0.1
     arc = np.pi * (radius + 5e-4)
@@ -174,6 +196,8 @@ def belt_ratio(cells, mu=0.3, radius=0.1, width=0.02):
     shell.supports.move("right", lambda t: np.array([0.0, 0.0, -speed * t]))
     stepper = Newmark(shell, 0.9, damping=2e-4, drag=2.0)
     body = Body([Segment("cylinder", (radius, 100.0, radius), Fixed())])
+    if kind == "triangles":
+        body = tube(radius, 0.3, 16, 9, axis=1)
     stepper.add(Contact(body, friction=mu))
     # held nodes are left alone by contact: let the sides slide in their planes by the load only
     stepper.contact.correction.fixed[:] = False
@@ -187,10 +211,13 @@ def belt_ratio(cells, mu=0.3, radius=0.1, width=0.02):
     return pull / held
 
 
-def test_capstan():
+@pytest.mark.parametrize(
+    "kind", ["ellipsoid", pytest.param("triangles", marks=pytest.mark.thorough)]
+)
+def test_capstan(kind):
     """A sliding belt: T2/T1 = exp(mu phi) within 1 %, closing in with the square of the cells."""
     mu, angle = 0.3, np.pi
-    ratios = [belt_ratio(cells, mu) for cells in (8, 16, 24)]
+    ratios = [belt_ratio(cells, kind, mu) for cells in (8, 16, 24)]
     errors = np.abs(np.array(ratios) / np.exp(mu * angle) - 1)
     assert errors[-1] < 3e-3
     assert np.log2(errors[0] / errors[1]) > 1.8
@@ -214,12 +241,15 @@ def stretched_onto(surface, body, stretch, clamped=()):
     return shell.partition.gather(window.impulse / window.seconds)
 
 
-def test_sleeve_stretched_over_a_cylinder():
+@KINDS
+def test_sleeve_stretched_over_a_cylinder(kind):
     """Normal force: hoop tension over radius, N/R, within 1 %."""
     rest, radius, long = 0.048, 0.05, 0.1
     surface = meshes.cylinder(rest, long, (40, 6)).transform(translation=(0, 0, -0.5 * long))
     surface = surface.replace(warp=(0.0, 0.0, 1.0))
     limb = Body([Segment("arm", (radius - 5e-4, radius - 5e-4, 200.0), Fixed())])
+    if kind == "triangles":
+        limb = tube(radius - 5e-4, 0.3, 11, 9)
     force = stretched_onto(surface, limb, lambda X: (radius / rest - 1) * X * [1.0, 1.0, 0.0])
     # second Piola-Kirchhoff force per rest length, pushed forward: N = E t e (R/r), e Green's
     hoop = 1e3 * 0.5 * ((radius / rest) ** 2 - 1) * radius / rest
@@ -229,12 +259,15 @@ def test_sleeve_stretched_over_a_cylinder():
     assert np.abs(np.sum(force, axis=0)).max() < 1e-3 * total
 
 
-def test_cap_stretched_over_a_sphere():
+@KINDS
+def test_cap_stretched_over_a_sphere(kind):
     """Normal pressure of a sheet under equal tension N: N (1/R + 1/R), within 1 %."""
     rest, radius = 0.195, 0.2
     surface = meshes.spherical_cap(rest, (0.6, 2.4), cells=(32, 16))
     surface = surface.replace(warp=(0.0, 0.0, 1.0))
     body = Body([Segment("head", [radius - 5e-4] * 3, Fixed())])
+    if kind == "triangles":
+        body = ball(radius - 5e-4, 3)
     scale = radius / rest
     # the rims are held where the stretch puts them: the cap stays in equal tension
     force = stretched_onto(surface, body, lambda X: (scale - 1) * X, clamped=("bottom", "top"))

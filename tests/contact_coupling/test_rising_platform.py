@@ -5,11 +5,13 @@ import numpy as np
 import pytest
 
 import meshes
+from contact.body.rigid_surface import RigidSurface
 from contact.body.segments import Body, Segment
 from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
+from tests.contact.solver.surfaces import box
 
 G, LIFT, SPIN, ARM = 9.81, 3.0, 2.0, 0.3
 RADII = (30.0, 30.0, 1.0)  # flat where the sheet lies
@@ -23,8 +25,16 @@ def platform(t):
     return centre, axes, np.array([0.0, 0.0, LIFT * t]), np.array([0.0, 0.0, SPIN])
 
 
-@pytest.mark.parametrize("arm", [0.0, ARM])
-def test_reaction_is_mass_times_acceleration(arm):
+def slab():
+    """The platform as a box of triangles, its top where the ellipsoid's is."""
+    block = box((0.6, 0.6, RADII[2]), 9)
+    return RigidSurface(block.local, block.triangles, platform, "platform")
+
+
+@pytest.mark.parametrize(
+    ("arm", "kind"), [(0.0, "ellipsoid"), (ARM, "ellipsoid"), (ARM, "triangles")]
+)
+def test_reaction_is_mass_times_acceleration(arm, kind):
     """Mean force over a time: the change of momentum of the platform's points, less the weight."""
     side, thickness = 0.1, 1e-3
     surface = meshes.rectangle(side, side, (4, 4))
@@ -33,7 +43,8 @@ def test_reaction_is_mass_times_acceleration(arm):
     shell.loads.gravity((0.0, 0.0, -G))
     stepper = Newmark(shell, 0.8, damping=2e-4)
     stepper.v[:] = np.cross([0.0, 0.0, SPIN], stepper.points)
-    touch = stepper.add(Contact(Body([Segment("platform", RADII, platform)]), friction=5.0))
+    body = Body([Segment("platform", RADII, platform)]) if kind == "ellipsoid" else slab()
+    touch = stepper.add(Contact(body, friction=5.0))
     ledger = stepper.add(Ledger())
     stepper.advance(0.2)
     ledger.record()

@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The hook between steps for a body that is a moving closed surface of triangles, Eqs. 15 and 16.
+
+The same outward face as `VelocityCorrection`, for any `SurfaceMotion`: velocities are corrected,
+every change is an impulse and is booked. Impulses act on the vertices of the triangle touched, as
+its surroundings carry the node (geometry/triangle_mesh/carried.py), and from the vertices on the
+segments by the adjoint of the skinning: momentum, moments and virtual power are exact.
+"""
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.body.segment_sets import bits_of
+from contact.body.segments import Body, Pose
+from contact.body.surface_motion import SHARED, SurfaceMotion
+from contact.geometry.triangle_mesh.closest import STACK
+from contact.geometry.triangle_mesh.placed import greatest_move, new_placed, refit
+from contact.geometry.triangle_mesh.smooth import most_raised
+from contact.geometry.triangle_mesh.topology import mesh_of
+
+from .contact_ledger import BOOKED, Ledger
+from .friction import Friction, as_friction
+from .step_record import ALLOWED, LOOK, PENETRATED, SEGMENT_TOUCHED, SETS, set_friction, step_record
+from .supporting_planes import PLANE
+from .surface_node import PLANES
+from .surface_step import surface_kernel
+from .velocity_correction import EVERY, LOOKS
+
+JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
+SHARP = 0.5  # cosine between normals of one triangle
+SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
+GROWN = 1e-3  # m, that boxes are grown before they are fitted anew
+RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
+
+
+class SurfaceCorrection:
+    """Contact and friction with a closed surface of triangles, applied between steps.
+
+    Parameters
+    ----------
+    surface : SurfaceMotion
+    nodes : int, owned nodes n
+    body : Body or None, whose segments the surface is bound to: rows of the ledgers are its
+        segments then, and moments are about the centres that the surface gives
+    friction, offset, fixed, recovery : as of `VelocityCorrection`
+    allowed : (n,) int or None, segments each node can touch: triangles of these owners; None: all
+    smooth : bool, meet the smooth surface (geometry/triangle_mesh/smooth.py), or the flat
+        triangles: for bodies with sharp edges
+
+    Attributes
+    ----------
+    last, window : Ledger of the last step, and of all since `reset`
+    fixed, allowed : (n,), as given; may be changed in place between steps
+    segment : (n,) int, owner of the triangle that pushed most in the last step; -1 without contact
+    at_vertices : (nv, SHARED), what acted on the cloth at the vertices in the last step
+
+    Raises
+    ------
+    ValueError
+        For settings out of range and arrays of wrong shapes.
+    """
+
+    def __init__(
+        self,
+        surface: SurfaceMotion,
+        nodes: int,
+        body: Body | None = None,
+        friction: Friction | ArrayLike = 0.0,
+        offset: float = 0.0,
+        fixed: ArrayLike | None = None,
+        recovery: float = 0.1,
+        allowed: ArrayLike | None = None,
+        smooth: bool = True,
+    ):
+        if not (np.isfinite(offset) and offset >= 0):
+            raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
+        if not recovery > 0:
+            raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
+        self.surface, self.body = surface, body
+        names = surface.names if body is None else body.names
+        for name in surface.names:
+            if name not in names:
+                raise ValueError(
+                    f"the surface is bound to a segment '{name}' that the body has not; it has: "
+                    f"{', '.join(names)}"
+                )
+        self._rows = np.array([names.index(name) for name in surface.names])
+        self._sets, self._look = np.zeros((SETS, nodes), np.int64), np.zeros((LOOK, nodes))
+        self._look[3], self._away = -1.0, np.zeros(nodes)
+        self._near = np.full(nodes, -1, np.int64)  # triangle last found
+        self.fixed, self.allowed = np.zeros(nodes, bool), self._sets[ALLOWED]
+        self.segment, self.penetrated = self._sets[SEGMENT_TOUCHED], self._sets[PENETRATED]
+        self.segment[:] = -1
+        for name, array, given in (
+            ("fixed", self.fixed, False if fixed is None else fixed),
+            ("allowed", self.allowed, EVERY if allowed is None else allowed),
+        ):
+            if np.shape(given) not in ((), (nodes,)):
+                raise ValueError(f"{name} has shape {np.shape(given)}, not ({nodes},)")
+            array[:] = given
+        self._friction = as_friction(friction)
+        self._correct = surface_kernel(self._friction.kinetic_coefficient)
+        self._step = step_record(self._friction, float(offset))
+        self._step["recovery_speed"] = recovery
+        self._work = self._step[0]
+        self._planes, self._over = np.zeros(PLANES, PLANE), np.zeros(PLANES, np.int64)
+        self._stack, self._bounds = np.zeros(STACK, np.int64), np.zeros(STACK)
+        self._smooth, self._highest = bool(smooth), 0.0
+        m = len(names)
+        self.at_vertices = np.zeros((surface.vertex_count, SHARED))
+        self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
+        self._book = np.zeros((len(surface.names), BOOKED))
+        self._owners = np.ascontiguousarray(self._rows[surface.owners], np.int64)
+        self._bits = bits_of(names if body is None else body.carriers)
+        self._mesh: Any = None
+        self._start: Any = None
+        self._end: Any = None
+        self._start_time: float | None = None
+        self._end_time: float | None = None
+
+    def __call__(
+        self,
+        x: np.ndarray,
+        v: np.ndarray,
+        mass: np.ndarray,
+        dt: float,
+        t: float,
+        v_old: np.ndarray | None = None,
+    ) -> None:
+        """Correct v for the step from t to t + dt; see `VelocityCorrection.__call__`.
+
+        Raises
+        ------
+        ValueError
+            For arrays of wrong shapes, a step or a mass that is none, a surface that jumps or has
+            no finite places.
+        FloatingPointError
+            When a position or velocity is not finite, with the node.
+        """
+        old = v if v_old is None else v_old
+        self._check(x, v, mass, old, dt, t)
+        self._move(t, t + dt)
+        last, window = self.last, self.window
+        bad = self._correct(
+            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._near, self._away,
+            self._step, self._smooth, self._highest, self._mesh, self._start, self._end,
+            self._planes, self._over, self._stack, self._bounds, self._owners, last.impulse,
+            window.impulse, self.at_vertices,
+        )  # fmt: skip
+        if bad:
+            self._refuse(bad - 1, x, v, mass, t)
+        last.table[:] = 0.0
+        if self.active:
+            self._book[:] = 0.0
+            self.surface.add_to_segments(t, self.at_vertices, self._book)
+            last.table[self._rows] = self._book
+            window.table += last.table
+        last.seconds = dt
+        window.seconds += dt
+
+    def _check(self, x, v, mass, old, dt, t):
+        nodes, shape = self.segment.shape, self.last.impulse.shape
+        for name, array, wanted in (
+            ("x", x, shape), ("v", v, shape), ("mass", mass, nodes), ("v_old", old, shape),
+        ):  # fmt: skip
+            if array.shape != wanted:
+                raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
+        if not (0 < dt < math.inf and math.isfinite(t)):
+            raise ValueError(
+                f"contact needs a time step above 0 s at a finite time, not {dt} s at {t}"
+            )
+
+    def _refuse(self, i, x, v, mass, t):
+        if not 0 < mass[i] < np.inf:
+            raise ValueError(f"node {i} has a mass of {mass[i]} kg; contact needs one above 0")
+        raise FloatingPointError(
+            f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
+            "the step has exploded; take a smaller one"
+        )
+
+    def _place(self, t, placed):
+        self.surface.positions(t, placed.vertices)
+        refit(self._mesh, placed)
+
+    def _go_on(self, end):
+        """Place the end of a step, in the boxes of its start as long as that does; its way [m]."""
+        placed, before = self._end, self._start
+        self.surface.positions(end, placed.vertices)
+        way = greatest_move(before.vertices, placed.vertices)
+        placed.known[:] = False
+        placed.grown[0] = before.grown[0] + way
+        if not placed.grown[0] <= GROWN:
+            refit(self._mesh, placed)
+            before.grown[0] = way
+        return way
+
+    def _begin(self, t):
+        """Tree and places at the first time."""
+        surface = self.surface
+        vertices = surface.positions(t, np.zeros((surface.vertex_count, 3)))
+        self._mesh = mesh_of(surface.triangles, vertices, 1 << self._bits[self._owners])
+        self._start = new_placed(self._mesh, surface.vertex_count)
+        self._place(t, self._start)
+        self._end = self._start
+        if surface.moves:
+            boxes = self._start.boxes
+            self._end = new_placed(self._mesh, surface.vertex_count, boxes)
+        if self._smooth:
+            self._highest = RAISED * most_raised(self._mesh, self._start)
+            self._tell_sharp()
+            self._start.known[:] = False
+
+    def _tell_sharp(self):
+        """Warn of triangles over which normals turn too far to be those of a smooth surface."""
+        a, b, c = (self._start.normals[self._mesh.triangles[:, k]] for k in range(3))
+        cosine = np.min([np.sum(p * q, axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
+        sharp = cosine < SHARP
+        if sharp.any():
+            k = int(sharp.argmax())
+            place = ", ".join(f"{x:.4g}" for x in self._start.vertices[self._mesh.triangles[k, 0]])
+            warnings.warn(
+                f"over {sharp.sum()} of {len(sharp)} triangles of the surface of "
+                f"{', '.join(self.surface.names[:3])} the normal turns by more than 60 degrees, "
+                f"first over triangle {k} at ({place}) m: it is met as a smooth surface, so take "
+                "smaller triangles there, or smooth=False if its edges are sharp",
+                stacklevel=2,
+            )
+
+    def _move(self, start, end):
+        """Surfaces at the two times; the end of one step usually is the start of the next."""
+        if self._mesh is None:
+            self._begin(start)
+        elif not self.surface.moves:
+            return
+        elif self._end_time is not None and abs(start - self._end_time) < SAME * (end - start):
+            self._start, self._end = self._end, self._start
+        elif start != self._start_time:
+            self._look[3] = -1.0
+            self._place(start, self._start)
+        if self.surface.moves:
+            way = self._go_on(end)
+            self._work["motion"] = way
+            if not way <= max(JUMP[0], JUMP[1] * (end - start)):
+                names = ", ".join(self.surface.names[:3])
+                raise ValueError(
+                    f"the surface of {names} jumps by {way:.3g} m between t = {start:.6g} and "
+                    f"{end:.6g} s; give it a motion that goes there, or place it before the first "
+                    "step"
+                )
+        self._start_time, self._end_time = start, end
+
+    @property
+    def friction(self) -> Friction:
+        """The law of friction; may be changed between steps, to a number or a pair as well."""
+        return self._friction
+
+    @friction.setter
+    def friction(self, value: Friction | ArrayLike) -> None:
+        self._friction = as_friction(value)
+        self._correct = surface_kernel(self._friction.kinetic_coefficient)
+        set_friction(self._step, self._friction)
+
+    @property
+    def start_pose(self) -> Pose:
+        """Centres of the segments at the start of the last step; no axes, velocities and spins."""
+        t = 0.0 if self._start_time is None else self._start_time
+        centres, nothing = np.zeros((len(self.last.table), 3)), np.zeros((0, 3))
+        centres[self._rows] = self.surface.centres(t, np.zeros((len(self._rows), 3)))
+        return Pose(centres, np.zeros((0, 3, 3)), nothing, nothing)
+
+    @property
+    def placed(self) -> tuple[Any, Any]:
+        """`Mesh` and `Placed` of the surface at the start of the last step; to be read only."""
+        return self._mesh, self._start
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """Places (nv, 3) [m] of the vertices at the start of the last step; to be read only."""
+        return self._start.vertices
+
+    @property
+    def evaluated(self) -> int:
+        """Closest points computed in the last step."""
+        return int(self._work["evaluated"])
+
+    @property
+    def active(self) -> int:
+        """Nodes in contact in the last step."""
+        return int(self._work["active"])
+
+    @property
+    def sticking(self) -> int:
+        """Nodes in contact that stuck in the last step."""
+        return int(self._work["sticking"])
+
+    @property
+    def pinched(self) -> int:
+        """Nodes to which two parts of the body left no room in the last step."""
+        return int(self._work["pinched"])
+
+    @property
+    def max_depth(self) -> float:
+        """Deepest start of the last step below the offset surface [m]."""
+        return float(self._work["max_depth"])
+
+    @property
+    def pinch_depth(self) -> float:
+        """The same of pinched nodes, which are not counted there [m]."""
+        return float(self._work["pinch_depth"])
+
+    def reset(self) -> None:
+        """Begin a new window."""
+        self.window.clear()
+
+    def looks(self) -> tuple[np.ndarray, np.ndarray]:
+        """What steps so far have found, (n, LOOKS); way [m], time [s] and `highest` of the surface.
+
+        Whole numbers stand as the floats of the same bits; see `VelocityCorrection.looks`.
+        """
+        time = np.nan if self._end_time is None else self._end_time
+        table = np.zeros((len(self._near), LOOKS))
+        table[:, :LOOK] = self._look.T
+        table[:, LOOK], table[:, LOOK + 1] = self._sets[1].view(float), self._near.view(float)
+        return table, np.array([self._work["path"], time, self._highest])
+
+    def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
+        """Continue from `looks()`."""
+        self._look[:] = table[:, :LOOK].T
+        self._sets[1] = np.ascontiguousarray(table[:, LOOK]).view(np.int64)
+        self._near[:] = np.ascontiguousarray(table[:, LOOK + 1]).view(np.int64)
+        self._work["path"], time, highest = body.tolist()
+        if not np.isnan(time):
+            if self._mesh is None:
+                self._begin(time)
+            self._highest = highest
+            if self.surface.moves:
+                self._place(time, self._end)
+            self._start_time, self._end_time = None, time
+
+    def state(self) -> dict[str, np.ndarray]:
+        """What the next step needs to know of this one, for `restore` (copies)."""
+        return {"segment": self.segment.copy()}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Continue from `state()`; nodes look anew where the surface is."""
+        self.segment[:] = state["segment"]
+        self._look[3] = -1.0
