@@ -23,8 +23,8 @@ def sort_into_grid(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Boxes of triangles (m, 3) of points x (n, 3), half a reach wider, and the grid of cells.
 
-    Returns boxes (m, 6), low ends first; the cell (m, 3) of each; counts of cells (3,); triangles
-    in the order of their cells (m,); where each cell begins in it
+    Returns boxes (m, 6), low ends first, and cells (m, 3) of the triangles, in the order of these
+    cells; counts of cells (3,); that order (m,); where each cell begins in it
     """
     m = len(triangles)
     box, cell, counts = np.empty((m, 6)), np.empty((m, 3), np.int64), np.empty(3, np.int64)
@@ -60,7 +60,13 @@ def sort_into_grid(
         k = (cell[f, 0] * counts[1] + cell[f, 1]) * counts[2] + cell[f, 2]
         order[filled[k]] = f
         filled[k] += 1
-    return box, cell, counts, order, begin
+    sorted_box, sorted_cell = np.empty((m, 6)), np.empty((m, 3), np.int64)
+    for at in range(m):
+        for c in range(6):
+            sorted_box[at, c] = box[order[at], c]
+        for c in range(3):
+            sorted_cell[at, c] = cell[order[at], c]
+    return sorted_box, sorted_cell, counts, order, begin
 
 
 @kernel(makes_arrays=False)
@@ -82,12 +88,30 @@ def point_in_box(x: np.ndarray, p: int, box: np.ndarray, f: int, more: float) ->
 
 
 @kernel(makes_arrays=False)
+def along(x: np.ndarray, i: int, k: int) -> float:
+    """Place of a point along the space diagonal k of four, times the root of 3."""
+    if k == 0:
+        return x[i, 0] + x[i, 1] + x[i, 2]
+    if k == 1:
+        return x[i, 0] + x[i, 1] - x[i, 2]
+    if k == 2:
+        return x[i, 0] - x[i, 1] + x[i, 2]
+    return x[i, 1] + x[i, 2] - x[i, 0]
+
+
+@kernel(makes_arrays=False)
 def edges_near(x: np.ndarray, a: int, b: int, c: int, d: int, reach: float) -> bool:
-    """Whether the boxes of edges ab and cd come closer than a reach."""
+    """Whether edges ab and cd come closer than a reach, along the axes and the space diagonals."""
     for k in range(3):
         if min(x[a, k], x[b, k]) > max(x[c, k], x[d, k]) + reach:
             return False
         if min(x[c, k], x[d, k]) > max(x[a, k], x[b, k]) + reach:
+            return False
+    far = 1.7320508075688772 * reach
+    for k in range(4):
+        p, q = along(x, a, k), along(x, b, k)
+        s, t = along(x, c, k), along(x, d, k)
+        if min(p, q) > max(s, t) + far or min(s, t) > max(p, q) + far:
             return False
     return True
 
@@ -122,20 +146,22 @@ def list_pairs(
         f = order[at]
         if not busy[group[f]]:
             continue
-        for i in range(max(0, cell[f, 0] - 1), min(counts[0], cell[f, 0] + 2)):
-            for j in range(max(0, cell[f, 1] - 1), min(counts[1], cell[f, 1] + 2)):
+        for i in range(max(0, cell[at, 0] - 1), min(counts[0], cell[at, 0] + 2)):
+            for j in range(max(0, cell[at, 1] - 1), min(counts[1], cell[at, 1] + 2)):
                 row = (i * counts[1] + j) * counts[2]
-                start = begin[row + max(0, cell[f, 2] - 1)]
-                stop = begin[row + min(counts[2], cell[f, 2] + 2)]
+                start = begin[row + max(0, cell[at, 2] - 1)]
+                stop = begin[row + min(counts[2], cell[at, 2] + 2)]
                 for other in range(max(start, at + 1), stop):
+                    if not boxes_meet(box, at, other):
+                        continue
                     g = order[other]
-                    if not wanted[group[f], group[g]] or not boxes_meet(box, f, g):
+                    if not wanted[group[f], group[g]]:
                         continue
                     for turn in range(2):
-                        a, b = (f, g) if turn == 0 else (g, f)
+                        a, b, of = (f, g, other) if turn == 0 else (g, f, at)
                         for c in range(3):
                             p = triangles[a, c]
-                            if not owns[a, c] or not point_in_box(x, p, box, b, 0.5 * reach):
+                            if not owns[a, c] or not point_in_box(x, p, box, of, 0.5 * reach):
                                 continue
                             t0, t1, t2 = triangles[b, 0], triangles[b, 1], triangles[b, 2]
                             if p != t0 and p != t1 and p != t2:

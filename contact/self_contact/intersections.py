@@ -41,15 +41,15 @@ def count_intersections(
     found = 0
     for at in range(len(triangles)):
         f = order[at]
-        for i in range(max(0, cell[f, 0] - 1), min(counts[0], cell[f, 0] + 2)):
-            for j in range(max(0, cell[f, 1] - 1), min(counts[1], cell[f, 1] + 2)):
+        for i in range(max(0, cell[at, 0] - 1), min(counts[0], cell[at, 0] + 2)):
+            for j in range(max(0, cell[at, 1] - 1), min(counts[1], cell[at, 1] + 2)):
                 row = (i * counts[1] + j) * counts[2]
-                start = begin[row + max(0, cell[f, 2] - 1)]
-                stop = begin[row + min(counts[2], cell[f, 2] + 2)]
+                start = begin[row + max(0, cell[at, 2] - 1)]
+                stop = begin[row + min(counts[2], cell[at, 2] + 2)]
                 for other in range(start, stop):
-                    g = order[other]
-                    if f == g or not boxes_meet(box, f, g):
+                    if at == other or not boxes_meet(box, at, other):
                         continue
+                    g = order[other]
                     a, b, c = triangles[g, 0], triangles[g, 1], triangles[g, 2]
                     for k in range(3):
                         p, q = triangles[f, k], triangles[f, (k + 1) % 3]

@@ -28,6 +28,7 @@ from .trust_region import TrustRegion, groups_of
 
 SWEEPS = 300  # at most, between two answers of the body
 TURNS = 6  # of the body, at most
+LEFT_BY_BODY = 1e-2  # as LEFT: what a turn of the body may change
 SKIN = 0.4  # of the mean size of the cells: pairs within it are listed
 STALE = 0.5  # of the skin: groups that have used it up are listed anew with others
 NEAR = 8.0  # part of the skin within which pairs are gone through in every step
@@ -227,7 +228,7 @@ class SelfContactSolver:
             if held is not None:
                 nodes, after, left_free = held
                 now[nodes], free = after, mobility[nodes]
-                if turn and np.abs(after - swept[nodes]).max() <= LEFT * scale:
+                if turn and np.abs(after - swept[nodes]).max() <= LEFT_BY_BODY * scale:
                     break
                 mobility[nodes] = left_free
             set_masses(rows, mobility, self._mass)
@@ -237,9 +238,9 @@ class SelfContactSolver:
             if held is None:
                 break
             mobility[nodes] = free
-            if first <= LEFT * scale:
+            if first <= LEFT_BY_BODY * scale:
                 break
         else:
-            left = np.inf
+            self.limited += left <= LEFT * scale
         self._solved = bool(left <= LEFT * scale)
         self.limited += not self._solved

@@ -182,13 +182,15 @@ class VelocityCorrection:
     def _kernel_of(self, friction: Friction) -> Any:
         return correction_kernel(friction.kinetic_coefficient)
 
-    def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float) -> np.ndarray:
-        """Whether nodes (k,) int with velocities v (k, 3) may touch the body in a step of dt [s].
+    def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float, least: float) -> np.ndarray:
+        """Whether nodes (k,) int with velocities v (k, 3) touch the body or may, in a step dt [s].
 
-        By what the last step has found: a node that the body reaches suddenly is missed.
+        By what the last step has found: a node that the body reaches suddenly is missed, and one
+        that does not touch it yet and goes by less than `least` [m] in two steps.
         """
-        near = 2.0 * dt * np.sqrt((v * v).sum(axis=1)) + float(self._work["motion"])
-        return ~(self._away[nodes] > near)
+        way = 2.0 * dt * np.sqrt((v * v).sum(axis=1))
+        near = ~(self._away[nodes] > way + float(self._work["motion"])) & (way > least)
+        return near | (self.segment[nodes] >= 0)
 
     def preview(
         self,

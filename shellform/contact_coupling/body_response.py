@@ -3,8 +3,8 @@
 
 The contact of the body is asked in advance, as often as sweeps need it; it is computed and booked
 once, afterwards. From its answers: nodes that stick to the body cannot move, those that slide move
-along it. Its normal is the direction of the push without friction. Asked are nodes that were near
-the body in the step before.
+along it. Its normal is the direction of the push without friction. Asked are nodes that touched
+the body in the step before, and fast ones that were near it.
 """
 
 from typing import Any
@@ -79,7 +79,7 @@ def response(
 
     def respond(v, live):
         near = np.flatnonzero(live[own])
-        touching = near[correction.may_touch(near, stepper.v_old[near], dt)]
+        touching = near[correction.may_touch(near, stepper.v_old[near], dt, 0.5 * cloth.thickness)]
         if comm.size == 1:
             return answer(touching, v[touching]) if len(touching) else None
         mine = answer(touching, v[own][touching]) if len(touching) else None

@@ -113,6 +113,12 @@ class Contact:
             raise ValueError(
                 f"self_contact is True, False or a SelfContact, not {self.self_contact!r}"
             )
+        for name in ("surface", "flesh"):
+            if self.self_contact and getattr(self, name) is not None:
+                raise ValueError(
+                    f"cloth on cloth goes with hard segments, not with a `{name}` of the body so "
+                    f"far: leave `self_contact` or `{name}` out"
+                )
 
     def attach(self, stepper: Any) -> RunningContact:
         """The running contact of a stepper.

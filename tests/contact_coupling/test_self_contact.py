@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+from contact.body.flesh_bed import Flesh
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Shell
 from shellform.contact_coupling.contact import Contact
@@ -246,6 +247,8 @@ def test_refusals():
         SelfContact(thickness=0.0)
     with pytest.raises(ValueError, match="True, False or a SelfContact"):
         Contact(body, self_contact=0.3)
+    with pytest.raises(ValueError, match="not with a `flesh` of the body so far"):
+        Contact(body, flesh=Flesh(1e5), self_contact=True)
 
 
 @pytest.mark.serial
