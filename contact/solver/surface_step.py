@@ -133,6 +133,8 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
                     other = limit <= work.offset + reach + work.recovery
                     if other:
                         second = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
+                        # from outside, the far side of a thin part is behind it, not beside
+                        other = found[3] <= 0.0 or second[3] > 0.0
                 if found[7]:
                     look[3, i] = limit
             last[i] = found[0]
