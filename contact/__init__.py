@@ -13,6 +13,8 @@ one and the same contact serves the shell and the particle model, and any other 
                          -> contact_ledger, node by node (node_contact); soft_contact in creases
         implicit steps   active_set, held_nodes
         of both          friction: the laws; segment_motion and step_record: what kernels share
+    self_contact/  what a sheet of triangles does to itself: features -> trust_region, broad_phase
+                -> rows -> sweeps, driven by solver; intersections counts what has passed through
     kernel      compiled once and kept beside the sources under a name that says what is computed:
                 what has changed is compiled anew by itself
 

@@ -32,6 +32,7 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core import caching, serialize
+from numba.core.errors import NumbaError as NumbaError  # of a kernel that does not compile
 from numba.core.options import DefaultOptions
 from numba.core.sigutils import normalize_signature
 from numba.extending import is_jitted

@@ -76,8 +76,11 @@ def sensitivity(friction, angle):
     return friction * angle * (1 + friction**2)
 
 
-def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9):
-    """Stepper of a belt with `cells` on an arc [rad], and where its two ends draw (2, 3)."""
+def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9, flesh=None):
+    """Stepper of a belt with `cells` on an arc [rad], and where its two ends draw (2, 3).
+
+    flesh : of the cylinder, or None
+    """
     rho = radius + 5e-4
     arc = angle * rho
 
@@ -106,7 +109,7 @@ def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9):
     shell.supports.move("right", lambda t: travel(t) * out[1])
     stepper = Newmark(shell, factor, damping=DAMPING, drag=DRAG)
     body = Body([Segment("cylinder", (radius, 100.0, radius), Fixed())])
-    contact = stepper.add(Contact(body, friction))
+    contact = stepper.add(Contact(body, friction, flesh=flesh))
     # the sides are held in their planes, which is no reason for contact to leave them alone
     contact.correction.fixed[:] = False
     return stepper, out

@@ -103,7 +103,14 @@ def orient(
     if directors is not None:
         along = np.einsum("ni,ni->n", directors, mean_normals(points, cells))
         directors = np.where(along[:, None] < 0.0, -directors, directors)
-    return surface.replace(cells=cells, directors=directors)
+    flat = None if surface.flat is None else turned_flat(surface.flat, turn)
+    return surface.replace(cells=cells, directors=directors, flat=flat)
+
+
+def turned_flat(flat: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Flat corners (m, k, 2) of cells of which those of the mask (m,) are turned over: mirrored."""
+    mirrored = flat[:, TURNED[flat.shape[1]]] * np.array([1.0, -1.0])
+    return np.where(turn[:, None, None], mirrored, flat)
 
 
 def _flood(cells, source):

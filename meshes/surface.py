@@ -42,6 +42,9 @@ class Surface:
         cells and more the middle between the sheets.
     warp : None, (3,) or (m, 3) direction of the warp yarns.
     panels : named groups of cell indices.
+    flat : None, or (m, corners, 2) where the corners of each straight cell lie in the flat pattern
+        it was cut from, in m, counter-clockwise, warp along the first axis. It is the shape without
+        stress; a sewn point has one place in space and one in each panel.
     source : file or generator, for messages.
     verify : False leaves out the check and the directors, for a mesh still to be repaired.
     notes : what was chosen or mended where it comes from a file, a sentence each.
@@ -64,6 +67,7 @@ class Surface:
     directors: np.ndarray | None = None
     warp: np.ndarray | None = None
     panels: dict = field(default_factory=dict)
+    flat: np.ndarray | None = field(default=None, kw_only=True)
     source: str = "surface"
     verify: bool = field(default=True, repr=False)
     notes: tuple[str, ...] = field(default=(), repr=False)
@@ -72,7 +76,7 @@ class Surface:
         put = object.__setattr__
         put(self, "points", self._floats("points", self.points))
         put(self, "cells", self._indices("cells", self.cells))
-        for name in ("directors", "warp"):
+        for name in ("directors", "warp", "flat"):
             value = getattr(self, name)
             put(self, name, None if value is None else self._floats(name, value))
         edges = {k: self._indices(f"edge '{k}'", v) for k, v in dict(self.edges).items()}
@@ -130,6 +134,13 @@ class Surface:
         return geometry.cell_areas(self.points, self.cells)
 
     @property
+    def corners_at_rest(self) -> np.ndarray:
+        """Points of each cell without stress (m, nodes, 3) in m, those of `flat` at height 0."""
+        if self.flat is None:
+            return self.points[self.cells]
+        return np.concatenate([self.flat, np.zeros((*self.cells.shape, 1))], axis=2)
+
+    @property
     def area(self) -> float:
         """Area of the surface in m^2."""
         return float(self.cell_areas.sum())
@@ -148,6 +159,11 @@ class Surface:
         """A copy with other fields; new points or cells without directors get new directors."""
         if ("points" in changes or "cells" in changes) and "directors" not in changes:
             changes["directors"] = None
+        if "cells" in changes and self.flat is not None and "flat" not in changes:
+            raise MeshError(
+                f"{self.source}: new cells of a garment cut from flat panels need their places in "
+                "these: give flat, or flat=None for the shape it has now."
+            )
         return dataclasses.replace(self, **changes)
 
     def with_edges(self, **lines: ArrayLike | Locator) -> Surface:
@@ -226,4 +242,5 @@ class Surface:
             points=factor * self.points @ turn.T + shift,
             directors=None if self.directors is None else self.directors @ turn.T,
             warp=None if self.warp is None else self.warp @ turn.T,
+            flat=None if self.flat is None else factor * self.flat,
         )

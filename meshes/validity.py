@@ -211,6 +211,8 @@ def _check_directions(surface):
                 f"cells ({bad.size} of {len(points)} points), turn the directors or the cells."
             )
         _check_seams(points, cells, directors, source)
+    if surface.flat is not None:
+        _check_flat(surface)
     if warp is not None:
         if warp.shape not in ((3,), (len(cells), 3)):
             raise MeshError(
@@ -224,6 +226,25 @@ def _check_directions(surface):
                 f"{source}: the warp direction {index} has no length or is not finite, give a "
                 "vector along the warp yarns."
             )
+
+
+def _check_flat(surface):
+    flat, cells, source = surface.flat, surface.cells, surface.source
+    wanted = (*cells.shape, 2)
+    if cells.shape[1] == 9 or flat.shape != wanted:
+        raise MeshError(
+            f"{source}: flat has the shape {flat.shape}, give two coordinates for each corner of "
+            f"each cell {wanted}; 9-node cells have none."
+        )
+    sides = np.roll(flat, -1, axis=1) - flat
+    after = np.roll(sides, -1, axis=1)
+    turn = sides[..., 0] * after[..., 1] - sides[..., 1] * after[..., 0]
+    bad = np.flatnonzero(~(turn > 0.0).all(axis=1))
+    if bad.size:
+        raise MeshError(
+            f"{source}: cell {bad[0]} is folded, concave or clockwise in its flat panel "
+            f"({bad.size} such cells), mesh the panel again or mirror its flat coordinates."
+        )
 
 
 def _check_seams(points, cells, directors, source):

@@ -20,6 +20,7 @@ from .launcher import refuse_another
 
 if TYPE_CHECKING:
     from contact.body.blended_surface import BlendedSurface
+    from contact.body.flesh_bed import Flesh
     from contact.body.rigid_surface import RigidSurface
     from contact.body.segments import Body, Fixed, Segment
     from contact.solver.friction import Friction
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from .bench.run import fabric_tests
     from .contact_coupling.contact import Contact
+    from .contact_coupling.self_contact import SelfContact
     from .dynamics.explicit import Newmark
     from .dynamics.implicit import ImplicitNewmark
     from .dynamics.mass_spring import Particles
@@ -70,8 +72,10 @@ __all__ = [  # noqa: RUF022, in the order a reader meets them
     "RigidSurface",
     "BlendedSurface",
     "Fixed",
+    "Flesh",
     "Friction",
     "Contact",
+    "SelfContact",
     # the moving wearer
     "read_motion",
     "synthetic_walk",
@@ -102,6 +106,7 @@ _HOMES = {
     "Fabric": "shellform.material.fabric",
     "FabricError": "shellform.material.fabric",
     "Fixed": "contact.body.segments",
+    "Flesh": "contact.body.flesh_bed",
     "Friction": "contact.solver.friction",
     "ImplicitNewmark": "shellform.dynamics.implicit",
     "Ledger": "shellform.results.ledger",
@@ -113,6 +118,7 @@ _HOMES = {
     "RigidSurface": "contact.body.rigid_surface",
     "Scene": "shellform.scene.scene",
     "Segment": "contact.body.segments",
+    "SelfContact": "shellform.contact_coupling.self_contact",
     "Shell": "shellform.fem.shell",
     "Statics": "shellform.statics.load_stepping",
     "Stopped": "shellform.errors",

@@ -66,6 +66,7 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 
 [contact]
 friction = 0.3
+# flesh_bed_Pa_per_m = { body = 6.7e5, left_shank = 1e6 }  # skin gives way where cloth presses it
 
 [steps]
 accuracy = "draft"          # standard, fine, or a percentage

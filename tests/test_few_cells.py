@@ -22,6 +22,7 @@ SHEETS = {
     "triangles": ({"triangles": True}, {}),
     "nine-node quads": ({"degree": 2}, {}),
 }
+THOROUGH = ("quads", "relaxed quads", "nine-node quads")
 RANKS = (1, 2, 3, 4)
 END = 0.02  # s of motion
 
@@ -128,7 +129,10 @@ def run(kind, folder):
 @needs_mpirun
 @pytest.mark.serial
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", SHEETS)
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, marks=pytest.mark.thorough if kind in THOROUGH else ()) for kind in SHEETS],
+)
 def test_more_ranks_than_cells(kind, tmp_path):
     """One and two cells on 1 to 4 ranks: what is found agrees to 1e-9."""
     for ranks in RANKS:

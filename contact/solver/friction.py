@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.kernel import kernel
+from contact.kernel import NumbaError, kernel
 
 PARAMETERS = 6  # numbers that a law may have
 
@@ -100,13 +100,15 @@ def as_friction(friction: Friction | ArrayLike) -> Friction:
     Raises
     ------
     ValueError
-        As `Friction`, and for what is neither.
+        As `Friction`, for what is neither, and for a law whose kernel does not compile.
     """
     if isinstance(friction, Friction):
         if len(friction.parameters) > PARAMETERS:
             raise ValueError(
                 f"{friction!r} has {len(friction.parameters)} parameters, {PARAMETERS} fit"
             )
+        if friction.kinetic_coefficient is not Friction.kinetic_coefficient:
+            _check_kernel(friction)
         return friction
     try:
         pair = np.atleast_1d(np.asarray(friction, float))
@@ -118,6 +120,19 @@ def as_friction(friction: Friction | ArrayLike) -> Friction:
             f"a law as Friction(0.3), not {friction!r}"
         )
     return Friction(*pair.tolist())
+
+
+def _check_kernel(law):
+    """ValueError where the kernel of a law cannot be compiled into the cone's."""
+    try:
+        cone_kernel(law.kinetic_coefficient)(0.0, 1.0, 0.0, np.zeros(PARAMETERS))
+    except NumbaError as error:
+        where = f"{type(law).__name__}.kinetic_coefficient(speed, parameters)"
+        reason = str(error).strip().splitlines()[-1]
+        raise ValueError(
+            f"{where} does not compile: it gives a number, makes no arrays and is a "
+            f"staticmethod(kernel(function)); numba says: {reason}"
+        ) from error
 
 
 @cache

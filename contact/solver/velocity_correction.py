@@ -16,6 +16,7 @@ the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -117,7 +118,7 @@ class VelocityCorrection:
                 "apart as soft ones; give several one carrier, or leave them hard"
             )
         self._friction = as_friction(friction)
-        self._correct = correction_kernel(self._friction.kinetic_coefficient)
+        self._correct = self._kernel_of(self._friction)
         self._offset = float(offset)
         self._step = step_record(self._friction, self._offset)
         self._step["flesh"], self._step["recovery_speed"] = flesh, recovery
@@ -129,6 +130,7 @@ class VelocityCorrection:
         m = len(self._segments)
         self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
         self._start, self._end = body.new_pose(), body.new_pose()
+        self._scratch: tuple | None = None  # of `preview`
         self._start_time: float | None = None
         self._end_time: float | None = None
 
@@ -162,16 +164,69 @@ class VelocityCorrection:
         old = v if v_old is None else v_old
         self._check(x, v, mass, old, dt, t)
         self._move(t, t + dt)
+        bad = self._run(x, v, old, mass, dt)
+        if bad:
+            self._refuse(bad - 1, x, v, mass, t)
+        self.last.seconds = dt
+        self.window.seconds += dt
+
+    def _run(self, x, v, old, mass, dt):
+        """Correct v; 0, or the number + 1 of a node that is not finite."""
         last, window = self.last, self.window
-        bad = self._correct(
+        return self._correct(
             x, v, old, mass, dt, self.fixed, self._sets, self._look, self._guards, self._away,
             self._gaps, self._node, self._step, self._segments, self._planes, self._beds,
             last.impulse, last.table, window.impulse, window.table,
         )  # fmt: skip
-        if bad:
-            self._refuse(bad - 1, x, v, mass, t)
-        last.seconds = dt
-        window.seconds += dt
+
+    def _kernel_of(self, friction: Friction) -> Any:
+        return correction_kernel(friction.kinetic_coefficient)
+
+    def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float) -> np.ndarray:
+        """Whether nodes (k,) int with velocities v (k, 3) may touch the body in a step of dt [s].
+
+        By what the last step has found: a node that the body reaches suddenly is missed.
+        """
+        near = 2.0 * dt * np.sqrt((v * v).sum(axis=1)) + float(self._work["motion"])
+        return ~(self._away[nodes] > near)
+
+    def preview(
+        self,
+        nodes: np.ndarray,
+        x: np.ndarray,
+        v: np.ndarray,
+        mass: np.ndarray,
+        dt: float,
+        t: float,
+        friction: Friction | None = None,
+    ) -> tuple[np.ndarray, int, int]:
+        """What a call would make of velocities v (k, 3) of some nodes (k,) int; nothing is kept.
+
+        x, mass : (k, 3), (k,), of these; friction : in place of that of the contact
+
+        Returns their velocities (k, 3), how many are pushed and how many of them stick.
+        """
+        self._move(t, t + dt)
+        k, step, scratch = len(nodes), self._step.copy(), self._scratch
+        if scratch is None or len(scratch[0]) < k:
+            scratch = self._scratch = (
+                np.zeros((2 * k, GUARDS, GUARD)), np.zeros((LOOK, 2 * k)), np.zeros(2 * k),
+                np.zeros((2, 2 * k, 3)), np.zeros((2, *self.last.table.shape)), np.zeros(0),
+            )  # fmt: skip
+        guards, look, away, impulse, table, beds = scratch
+        correct = self._correct
+        if friction is not None:
+            set_friction(step, friction)
+            correct = correction_kernel(friction.kinetic_coefficient)
+        guards[:k], look[:] = 0.0, 0.0
+        look[3] = -1.0
+        after = v.copy()
+        correct(
+            x, after, v, mass, dt, self.fixed[nodes], self._sets[:, nodes],
+            np.ascontiguousarray(look[:, :k]), guards[:k], away[:k], self._gaps, self._node, step,
+            self._segments, self._planes, beds, impulse[0, :k], table[0], impulse[1, :k], table[1],
+        )  # fmt: skip
+        return after, int(step[0]["active"]), int(step[0]["sticking"])
 
     def _check(self, x, v, mass, old, dt, t):
         nodes, shape = self.segment.shape, self.last.impulse.shape
@@ -196,6 +251,8 @@ class VelocityCorrection:
 
     def _move(self, start, end):
         """Poses at the two times; the end of one step usually is the start of the next."""
+        if start == self._start_time and end == self._end_time:
+            return  # the same step once more, with other velocities
         if start == self._end_time:
             self._start, self._end = self._end, self._start
         else:
@@ -218,7 +275,7 @@ class VelocityCorrection:
     @friction.setter
     def friction(self, value: Friction | ArrayLike) -> None:
         self._friction = as_friction(value)
-        self._correct = correction_kernel(self._friction.kinetic_coefficient)
+        self._correct = self._kernel_of(self._friction)
         set_friction(self._step, self._friction)
 
     @property

@@ -11,7 +11,7 @@ import numpy as np
 
 from meshes.files.load import UNITS
 from meshes.geometry import area_vectors, cell_centres
-from meshes.repair import TURNED, boundary_loops
+from meshes.repair import TURNED, boundary_loops, turned_flat
 from meshes.sheets import components, main_sheet
 from meshes.surface import Locator, Surface
 from meshes.topology import corner_count, directed_edges, segments_of_line, unique_edges
@@ -59,7 +59,10 @@ def prepare_garment(surface: Surface, waist: str | Locator | None = None) -> Sur
     if _enclosed_volume(surface, loops) < 0.0:
         assert surface.directors is not None  # what has passed the check has them
         turned = surface.cells[:, TURNED[surface.cells.shape[1]]]
-        surface = surface.replace(cells=turned, directors=-surface.directors)
+        flat = surface.flat
+        if flat is not None:
+            flat = turned_flat(flat, np.ones(len(turned), bool))
+        surface = surface.replace(cells=turned, directors=-surface.directors, flat=flat)
         loops = boundary_loops(surface)
     place = _waist_place(surface, loops, waist)
     middles = np.array([surface.points[loop].mean(axis=0) for loop in loops])

@@ -123,7 +123,7 @@ def from_outline(
     _refuse_crossing(plane)
 
     # Cutting gmsh's mixed mesh through edge middles leaves quads only, whatever the outline.
-    flat_points, blocks, sides = _gmsh_mesh(plane, 2.0 * size if quads else size, quads)
+    flat_points, blocks, sides = mesh_polygon(plane, 2.0 * size if quads else size, quads)
     points = origin + flat_points @ frame
     names = ["outline"] * len(sides) if names is None else names
     edges: dict[str, np.ndarray] = {}
@@ -187,8 +187,13 @@ def _refuse_crossing(plane):
         raise ValueError(f"outline crosses or touches itself: sides {one} and {other}")
 
 
-def _gmsh_mesh(plane, size, quads):
-    """Points (n, 2), list of cell blocks and list of side segments for a polygon (k, 2)."""
+def mesh_polygon(
+    plane: np.ndarray, size: float, quads: bool, whole_sides: bool = False
+) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
+    """Points (n, 2), list of cell blocks and list of side segments for a polygon (k, 2).
+
+    quads : a mesh mostly of quads, with triangles between; whole_sides : cut no side
+    """
     # Blossom recombination would cut every side in two once more, and print to the terminal.
     options = {"Algorithm": 6, "RecombineAll": int(quads), "RecombinationAlgorithm": 0}
     options |= {"ElementOrder": 1, "SubdivisionAlgorithm": 0, "RandomSeed": 1}
@@ -196,6 +201,8 @@ def _gmsh_mesh(plane, size, quads):
         geo, mesh = gmsh.model.geo, gmsh.model.mesh
         tags = [geo.addPoint(x, y, 0.0, size) for x, y in plane.tolist()]
         lines = [geo.addLine(one, other) for one, other in zip(tags, tags[1:] + tags[:1])]
+        for line in lines if whole_sides else ():
+            geo.mesh.setTransfiniteCurve(line, 2)
         geo.addPlaneSurface([geo.addCurveLoop(lines)])
         geo.synchronize()
         mesh.generate(2)

@@ -2,8 +2,10 @@
 """A round specimen draped over a disc as by Cusick (J. Text. Inst. 59, T253, 1968; ISO 9073-9).
 
 30 cm of cloth between discs of 18 cm: the ring outside them is computed, its inner edge held level.
-It falls under its weight in still air that slows it until its shadow changes no more. With the
-areas of shadow, disc and specimen, seen from above,
+As the table around the disc sinks it bears less and less of the cloth: the weight grows with time,
+in still air that slows the cloth, until its shadow changes no more. Dropped at once it falls into
+one or two folds more, as short waves grow fastest. With the areas of shadow, disc and specimen,
+seen from above,
 
     drape coefficient = (shadow - disc)/(specimen - disc),
 
@@ -27,7 +29,8 @@ UNEVEN = 1e-3  # m, at the rim
 HARMONICS = 12
 DRAG = 6.0  # 1/s
 DAMPING = 1e-5  # s
-LOOK, LAST = 0.1, 4.0  # s
+LOWERING = 1.5  # s, of the table; by hand in 1 or 2
+LOOK, WAIT = 0.1, 4.0  # s
 STILL = 1e-3  # of the drape coefficient, over two looks
 ANGLES = 720
 
@@ -64,20 +67,25 @@ def cells_for(fabric: Fabric) -> tuple[int, int]:
 
 
 def drape(
-    fabric: Fabric, start: int = 0, cells: tuple[int, int] | None = None, last: float = LAST
+    fabric: Fabric,
+    start: int = 0,
+    cells: tuple[int, int] | None = None,
+    lowering: float = LOWERING,
+    wait: float = WAIT,
 ) -> Drape:
     """Drape a specimen.
 
     Parameters
     ----------
-    start : seed of its unevenness; cells : around and across, see `cells_for`; last : time [s] at
-    which it is looked at whether it is still or not
+    start : seed of its unevenness; cells : around and across, see `cells_for`
+    lowering : time [s] in which the table sinks; 0: the cloth is dropped
+    wait : time [s] after it at which the cloth is looked at whether it is still or not
     """
     cells = cells_for(fabric) if cells is None else cells
     surface = meshes.annulus(DISC, SPECIMEN, cells, slit=False, warp=(1.0, 0.0, 0.0))
     shell = Shell(surface, fabric)
     shell.supports.clamp("inner")
-    shell.loads.gravity((0.0, 0.0, -G))
+    shell.loads.gravity((0.0, 0.0, -G), (lambda t: min(1.0, t / lowering)) if lowering else None)
     stepper = Newmark(shell, damping=DAMPING, drag=DRAG)
     owned = shell.partition.owned_nodes
     stepper.owned[:, 2] += uneven(surface.points, start)[owned]
@@ -88,8 +96,9 @@ def drape(
         points = shell.positions()
         radii = shadow(points, surface.cells)
         seen.append(coefficient_of(radii, flat))
-        settled = len(seen) > 5 and max(seen[-3:]) - min(seen[-3:]) < STILL
-        if settled or stepper.time > last - 0.5 * LOOK:
+        free = stepper.time - lowering
+        settled = free > 5.5 * LOOK and max(seen[-3:]) - min(seen[-3:]) < STILL
+        if settled or free > wait - 0.5 * LOOK:
             break
     return Drape(
         seen[-1], folds_of(radii), radii, round(stepper.time, 3), settled, points, surface.cells

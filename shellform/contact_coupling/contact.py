@@ -15,10 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from contact.body.flesh_bed import Flesh
 from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.solver.friction import as_friction
 from shellform.dynamics.part import RunningContact
+
+from .self_contact import SelfContact, refuse_implicit
 
 
 @dataclass(frozen=True)
@@ -35,12 +38,15 @@ class Contact:
         steps)
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
         each other (explicit steps, contact/solver/soft_contact.py); None: hard
+    flesh : Flesh or None: of the body everywhere (explicit steps, contact/body/flesh_bed.py)
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
     surface : SurfaceMotion or None: closed surface of triangles bound to segments of the body,
         which is met instead of their own shapes (explicit steps)
     shapes : names of segments of the body whose own shapes are met besides the surface
     smooth : bool, whether a surface is met as a smooth one, or as its flat triangles with their
         sharp edges
+    self_contact : whether the sheet meets itself too, with the same friction, or a SelfContact
+        (explicit steps)
 
     Examples
     --------
@@ -61,10 +67,12 @@ class Contact:
     offset: float | None = None
     samples: int | str = "nodes"
     flesh_stiffness: float | None = None
+    flesh: Flesh | None = None
     recovery: float = 0.1
     surface: SurfaceMotion | None = None
     smooth: bool = True
     shapes: Sequence[str] = ()
+    self_contact: bool | SelfContact = False
 
     def __post_init__(self):
         if isinstance(self.body, SurfaceMotion) and self.surface is None:
@@ -88,8 +96,23 @@ class Contact:
         for name, value in (("offset", self.offset), ("flesh_stiffness", self.flesh_stiffness)):
             if value is not None and not (isinstance(value, Real) and 0 <= value < np.inf):
                 raise ValueError(f"{name} of a contact is a finite number >= 0, not {value!r}")
+        if self.flesh is not None:
+            if not isinstance(self.flesh, Flesh):
+                raise TypeError(
+                    f"flesh of a contact is a Flesh, as Flesh(6.7e5), not {self.flesh!r}"
+                )
+            for name, left_out in (("flesh_stiffness", None), ("samples", "nodes")):
+                if getattr(self, name) not in (left_out, 0):
+                    raise ValueError(f"a contact with flesh takes no {name}: leave it out")
+            if self.surface is not None:
+                raise ValueError("a surface of triangles has no flesh yet: leave `flesh` out")
+            self.flesh.beds(self.body.names)
         if not (isinstance(self.recovery, Real) and self.recovery > 0):
             raise ValueError(f"the recovery speed is positive, in m/s, not {self.recovery!r}")
+        if not isinstance(self.self_contact, bool | SelfContact):
+            raise ValueError(
+                f"self_contact is True, False or a SelfContact, not {self.self_contact!r}"
+            )
 
     def attach(self, stepper: Any) -> RunningContact:
         """The running contact of a stepper.
@@ -101,6 +124,8 @@ class Contact:
         can pass between nodes
         """
         # each kind of contact is loaded with the steps that need it
+        if self.self_contact:
+            refuse_implicit(stepper)
         if stepper.implicit:
             if self.samples not in ("nodes", 0):
                 raise ValueError(
@@ -112,6 +137,8 @@ class Contact:
                     f"implicit steps know no soft flesh, as of {self.flesh_stiffness} Pa/m: leave "
                     "`flesh_stiffness` out, or take Newmark"
                 )
+            if self.flesh is not None:
+                raise ValueError("implicit steps know no flesh: leave `flesh` out, or take Newmark")
             if self.surface is not None:
                 raise ValueError(
                     "implicit steps meet no surface of triangles: take Newmark, or a body of "
@@ -123,9 +150,11 @@ class Contact:
             return running.attach(stepper)
         from .explicit_contact import ExplicitContact
 
+        itself = self.self_contact
         met = ExplicitContact(
             stepper, self.body, self.friction, self.offset, self.samples, self.flesh_stiffness,
-            self.recovery, self.surface, self.smooth, self.shapes,
+            self.recovery, self.flesh, self.surface, self.smooth, self.shapes,
+            SelfContact(self.friction) if itself is True else itself or None,
         )  # fmt: skip
         return met.attach(stepper)
 

@@ -12,6 +12,8 @@ import numpy as np
 
 from contact.solver.velocity_correction import LOOKS
 
+SIDES = 5  # numbers a node on flesh, see contact/solver/flesh_step.py
+
 
 def saved(contact: Any) -> dict[str, Any]:
     """Arrays of a contact for a checkpoint, those of rank 0 complete; all ranks call.
@@ -28,6 +30,9 @@ def saved(contact: Any) -> dict[str, Any]:
     whole["look"] = partition.gather(looks, root=0)
     if contact.watches_beds:
         whole["bed_stiffness"] = partition.gather(contact.bed_stiffness[:, None], root=0)
+    if contact.flesh is not None:
+        sides = contact.correction.sides.view(float).reshape(-1, SIDES)
+        whole["flesh"] = partition.gather(sides, root=0)
     if contact.pressed is not None:
         whole["pressed_beds"] = partition.gather(contact.pressed.beds[:, None], root=0)
     if contact.inner is not None:
@@ -58,6 +63,11 @@ def resume(contact: Any, path: str | Path, state: dict[str, np.ndarray]) -> None
     contact.correction.take_looks(state["look"][nodes], state["look_body"])
     if "bed_stiffness" in state:
         contact.bed_stiffness[:] = state["bed_stiffness"][nodes, 0]
+    if contact.flesh is not None:
+        if "flesh" not in state:
+            raise ValueError(f"{path} is of a contact without flesh: leave `flesh` out to go on")
+        sides = contact.correction.sides.view(float).reshape(-1, SIDES)
+        sides[:] = state["flesh"][nodes]
     if contact.pressed is not None:
         contact.pressed.restore(contact.stepper, state["pressed_beds"][nodes, 0])
     if contact.inner is not None:

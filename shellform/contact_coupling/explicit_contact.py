@@ -19,10 +19,12 @@ import time
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
+from contact.body.flesh_bed import Flesh
+from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.kernel import kernel
 from contact.solver.cell_samples import (
@@ -54,14 +56,21 @@ def positions(points: np.ndarray, owned: np.ndarray, x: np.ndarray) -> None:
         x[i, 2] = points[i, 2] + owned[i, 2]
 
 
+def thin_to(cloth: Any, body: Body, offset: float) -> list[int]:
+    """Numbers of the segments of a body that pass between nodes of a sheet's surface."""
+    span = spans(cloth.points, straight_cells(cloth.cells)).max()
+    return thin_segments(body.shapes, span, offset)
+
+
 class ExplicitContact(RunningContact):
     """Contact of a sheet with a body in explicit steps; `stepper.add(Contact(body))` makes it.
 
     Parameters
     ----------
     stepper : Stepper, explicit
-    body, friction, offset, samples, flesh_stiffness, recovery, surface, smooth,
+    body, friction, offset, samples, flesh_stiffness, recovery, flesh, surface, smooth,
         shapes : see Contact
+    self_contact : SelfContact or None
 
     Attributes
     ----------
@@ -71,6 +80,7 @@ class ExplicitContact(RunningContact):
     inner : VelocityCorrection of the samples, or None; cells : (k, 4), the nodes of their cells
     pressed : PressedCells of a relaxed sheet on several segments, or None
     edges : EdgeContact, or None where no segment can pass between nodes
+    cloth : ExplicitSelfContact, or None where the sheet does not meet itself
 
     Raises
     ------
@@ -86,9 +96,11 @@ class ExplicitContact(RunningContact):
         samples: int | str,
         flesh_stiffness: float | None,
         recovery: float,
+        flesh: Flesh | None = None,
         surface: SurfaceMotion | None = None,
         smooth: bool = True,
         shapes: Sequence[str] = (),
+        self_contact: Any = None,
     ) -> None:
         n = stepper.n_owned
         offset = 0.5 * stepper.shell.fabric.thickness if offset is None else offset
@@ -98,15 +110,13 @@ class ExplicitContact(RunningContact):
         areal = stepper.shell.fabric.areal_mass
         self._flesh = flesh_stiffness or np.inf
         self.watches_beds = False
-        self._how = {"recovery": recovery}
+        thin = [] if surface is not None else thin_to(stepper.shell.surface, body, offset)
+        self._how: dict[str, Any] = {"recovery": recovery}
         if flesh_stiffness:
             self._how["flesh"] = flesh_stiffness / areal
+        self.flesh = flesh
         self.correction: Any
-        if surface is None:
-            self.correction = VelocityCorrection(
-                body, n, friction, offset, fixed=fixed, **self._how
-            )
-        else:
+        if surface is not None:
             # its kernels are loaded for surfaces only
             from .surface_contact import correction_of
 
@@ -114,6 +124,18 @@ class ExplicitContact(RunningContact):
                 surface, body, n, friction, offset, fixed, recovery, smooth, samples,
                 flesh_stiffness, shapes,
             )  # fmt: skip
+        elif flesh is not None:
+            # its kernels are loaded for flesh only
+            from contact.solver.flesh_correction import FleshCorrection
+
+            self.correction = FleshCorrection(
+                body, n, friction, offset, fixed=fixed, flesh=flesh, areal_mass=areal, hard=thin,
+                **self._how,
+            )  # fmt: skip
+        else:
+            self.correction = VelocityCorrection(
+                body, n, friction, offset, fixed=fixed, **self._how
+            )
         self.body, self.last, self.window = body, self.correction.last, self.correction.window
         self.segment = self.correction.segment
         self._x, self.seconds = np.empty_like(stepper.points), 0.0
@@ -121,19 +143,34 @@ class ExplicitContact(RunningContact):
         self.inner = None
         k: Any = 0 if samples == "nodes" else samples
         self.edges = self.pressed = None
+        self.cloth = None
+        if self_contact is not None:
+            # only here: its kernels are loaded for those who ask for it
+            from .explicit_self_contact import ExplicitSelfContact
+
+            self.cloth = ExplicitSelfContact(stepper, self_contact)
         if surface is not None:
             return
         if k != 0:
             self._inside(stepper, body, friction, offset, midpoints(k))
-        cloth = stepper.shell.surface
-        span = spans(cloth.points, straight_cells(cloth.cells)).max()
-        if thin_segments(body.shapes, span, offset):
+        if thin:
             # its kernels are loaded for thin segments only
             from .edge_contact import EdgeContact
 
             self.edges = EdgeContact(stepper, self.correction, offset, recovery)
         if stepper.shell.relaxed and stepper.force_model.turns_directors and len(body.names) > 1:
             self.pressed = PressedCells(stepper)
+
+    def attach(self, stepper: Any) -> Self:
+        """Start to meet the sheet of a stepper; returns self."""
+        if self.cloth is not None:
+            self.cloth.join(stepper)
+        elif stepper.self_contact is not None:
+            raise ValueError(
+                "the cloth of this stepper meets itself already: both go together, say "
+                "Contact(body, self_contact=True) alone"
+            )
+        return super().attach(stepper)
 
     @property
     def active(self) -> int:
@@ -210,6 +247,9 @@ class ExplicitContact(RunningContact):
         start = time.perf_counter()
         v, last = stepper.v, self.correction.last
         positions(stepper.points, stepper.owned, self._x)
+        layers = False
+        if self.cloth is not None:
+            layers = self.cloth.push(stepper, self._x, dt, self.correction)
         if self.inner is not None or self.edges is not None:
             np.copyto(self._free, v)
         self.correction(self._x, v, stepper.mass, dt, stepper.time, v_old=stepper.v_old)
@@ -223,6 +263,8 @@ class ExplicitContact(RunningContact):
             work = self.pressed.look(stepper, self.bed_stiffness)
             for ledger in (last, self.window):
                 ledger.table[0, WORK] += work
+        if layers and self.cloth is not None:
+            self.cloth.book(stepper)
         self.seconds += time.perf_counter() - start
 
     def _give_back(self, stepper, impulse, book=False):
@@ -304,17 +346,20 @@ class ExplicitContact(RunningContact):
 
     def state(self) -> Any:
         """What is touched and what the window holds, for `restore` (copies)."""
-        window = self.window
-        return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds
+        window, cloth = self.window, None if self.cloth is None else self.cloth.state()
+        return self.touched(), window.impulse.copy(), window.table.copy(), window.seconds, cloth
 
     def restore(self, state: Any) -> None:
         """Continue from `state()`."""
-        touched, self.window.impulse[:], self.window.table[:], self.window.seconds = state
+        touched, self.window.impulse[:], self.window.table[:], self.window.seconds, cloth = state
         self.set_touched(touched)
+        if self.cloth is not None:
+            self.cloth.restore(cloth)
 
     def saved(self) -> dict[str, Any]:
         """See Part."""
-        return contact_checkpoint.saved(self)
+        cloth = {} if self.cloth is None else self.cloth.saved()
+        return contact_checkpoint.saved(self) | cloth
 
     def resume(self, path: str | Path, state: dict[str, np.ndarray]) -> None:
         """See RunningContact; ValueError for other samples than the file has, other versions."""

@@ -6,7 +6,7 @@ import numpy as np
 from meshes import Surface
 from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
-from shellform.fem.arc import arc_lengths
+from shellform.fem.arc import arc_lengths, sides_at_rest
 
 from .belt import Belt, Ring
 
@@ -99,7 +99,7 @@ def elongation(positions: np.ndarray, directors: np.ndarray, surface: Surface) -
     """
     near, cells = near_waist(surface), surface.cells[:, :4]
     pairs = np.stack([cells, np.roll(cells, -1, axis=1)], 2).reshape(-1, 2)
-    pairs = pairs[~near[pairs].any(axis=1)]
-    at_rest = np.asarray(surface.directors)
+    seen = ~near[pairs].any(axis=1)
+    pairs = pairs[seen]
     now = arc_lengths(positions[pairs], directors[pairs])
-    return now / arc_lengths(surface.points[pairs], at_rest[pairs]) - 1
+    return now / sides_at_rest(surface).ravel()[seen] - 1

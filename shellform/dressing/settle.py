@@ -57,10 +57,16 @@ def settle_again(stepper: Newmark, tension: float, dressing: Dressing) -> tuple[
     belt : Belt, which stays; report : of `settle`
     """
     with borrowed(stepper):
-        stepper.time = _start_of_motion(stepper) - dressing.settle
         belt = stepper.add(Belt("waist", tension))
+        return belt, settle_on(stepper, belt, dressing)
+
+
+def settle_on(stepper: Newmark, belt: Belt, dressing: Dressing) -> dict:
+    """As `settle_again`, held by a belt that is there; the report of `settle`."""
+    with borrowed(stepper):
+        stepper.time = _start_of_motion(stepper) - dressing.settle
         stepper.advance(stepper.time + AT_LEAST)
-        return belt, settle(stepper, belt, dressing)
+        return settle(stepper, belt, dressing)
 
 
 def _start_of_motion(stepper: Newmark) -> float:

@@ -86,4 +86,6 @@ def load(path: str | Path, stepper: Newmark) -> dict[str, np.ndarray]:
         if "segment" not in state:
             raise ValueError(f"{path} holds no state of contact")
         stepper.contact.resume(path, state)
+    if stepper.self_contact is not None:
+        stepper.self_contact.resume(path, state)
     return state

@@ -154,7 +154,7 @@ class Particles(Newmark):
         points = np.ascontiguousarray(partition.surface.points[partition.owned_nodes])
         springs = Springs(
             shell.surface, self._cells, points, shell.fabric, bending, curvature, damping,
-            _friction(shell, points),
+            _friction(shell, points), shell.surface.flat,
         )  # fmt: skip
         super().__init__(shell, time_step_factor, damping, drag, 0.0, prefix, springs)
         self._limit: Limit | None = None
@@ -220,7 +220,8 @@ def _friction(shell, points):
 
     warp = cell_warp(shell.surface, shell.fabric, shell.partition)
     directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
-    return SpringFriction(points, directors, cell_nodes(shell.space), warp, shell.fabric)
+    cells, flat = cell_nodes(shell.space), shell.partition.flat
+    return SpringFriction(points, directors, cells, warp, shell.fabric, flat)
 
 
 def hand_over(particles: Particles, newmark: Newmark) -> None:

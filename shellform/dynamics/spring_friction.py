@@ -129,6 +129,7 @@ class SpringFriction:
         cells: np.ndarray,
         warp: np.ndarray | None,
         fabric: Sheet,
+        flat: np.ndarray | None = None,
     ) -> None:
         if fabric.friction is None:
             raise ValueError(f"'{fabric.name}' has no friction inside")
@@ -138,7 +139,9 @@ class SpringFriction:
         self._turns, places = np.zeros(0, TURN), None
         if sum(many[3:]):
             self._turns, places = turns_of(points, directors, cells)
-        self._cells = cells_of(points, cells, warp, fabric, places)
+            if flat is not None:
+                self._turns["rest"] = 0.0
+        self._cells = cells_of(points, cells, warp, fabric, places, flat)
         count = len(self._turns)
         scratch = np.zeros(count), np.zeros((count, 3, 3)), np.zeros(count)
         self._values, self._slopes, self._moments = scratch

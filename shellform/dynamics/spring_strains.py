@@ -195,9 +195,13 @@ def cells_of(
     warp: np.ndarray | None,
     fabric: Sheet,
     places: np.ndarray | None,
+    flat: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Records (m,) CELL; warp : (3,), (m, 3) or None; places : of `turns_of`, None: no K."""
-    X = points[cells]
+    """Records (m,) CELL; warp : (3,), (m, 3) or None; places : of `turns_of`, None: no K.
+
+    flat : (m, 4, 3), corners of cells cut from flat panels; None: those of the points
+    """
+    X = points[cells] if flat is None else flat
     records = np.zeros(len(cells), CELL)
     sides = X[:, SECOND] - X[:, FIRST]
     G1, G2 = 0.5 * (sides[:, 0] + sides[:, 1]), 0.5 * (sides[:, 2] + sides[:, 3])

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from .spring_friction import SpringFriction
 
 EDGE, DIAGONAL, BEND = 0, 1, 2
+LEAST = 0.1  # of an edge of a cell from a flat panel, over what it would have without diagonals
 
 
 @kernel
@@ -162,6 +163,9 @@ class Springs:
     bending : 'flexion', 'buckling' or 'none'
     curvature : float [1/m] or None, where flexion has the fabric's B; None: 1/bending length
     friction : SpringFriction of the same cells or None
+    flat : (m, 4, 2) or None, corners of the cells in flat panels, see `meshes.Surface`: they give
+        the rest lengths, sides of two panels the mean of both; where a cell lies across the yarns
+        so that its edges would get a negative constant, they get LEAST, and are too stiff
 
     Attributes
     ----------
@@ -181,6 +185,7 @@ class Springs:
         curvature: float | None = None,
         damping: float = 0.0,
         friction: SpringFriction | None = None,
+        flat: np.ndarray | None = None,
     ) -> None:
         if bending not in ("flexion", "buckling", "none"):
             raise ValueError(f"bending is one of flexion, buckling, none, not '{bending}'")
@@ -191,13 +196,24 @@ class Springs:
         first, number, count = unique_edges(rows, len(points))
         edges = rows[first]
         number = number.reshape(-1, 4)
-        length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
-        corner = length[number]
+        if flat is None:
+            length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+            corner, corners = length[number], points[cells]
+        else:
+            corner = np.linalg.norm(np.roll(flat, -1, axis=1) - flat, axis=2)
+            length = np.bincount(number.ravel(), corner.ravel()) / count
+            corners = flat
         h1, h2 = 0.5 * (corner[:, 0] + corner[:, 2]), 0.5 * (corner[:, 1] + corner[:, 3])
-        A, B = _along_cells(surface, points[cells], fabric)
+        A, B = _along_cells(surface, corners, fabric)
         shear = A[:, 2, 2]
         k1 = h2 / h1 * (A[:, 0, 0] - shear * (h1 / h2) ** 2)
         k2 = h1 / h2 * (A[:, 1, 1] - shear * (h2 / h1) ** 2)
+        if flat is not None:
+            # cells of panels lie at any angle to the yarns, where no springs have their stiffness
+            k1, k2 = (
+                np.maximum(k1, LEAST * h2 / h1 * A[:, 0, 0]),
+                np.maximum(k2, LEAST * h1 / h2 * A[:, 1, 1]),
+            )
         if min(k1.min(), k2.min()) <= 0:
             bad = int(np.minimum(k1, k2).argmin())
             raise ValueError(
@@ -215,7 +231,10 @@ class Springs:
         two, lines, *_ = grid_lines(edges, number, count, len(points))
         if bending == "none":
             two, lines = two[:0], lines[:0]
-        reach = np.linalg.norm(points[two[:, 1]] - points[two[:, 0]], axis=1)
+        if flat is None:
+            reach = np.linalg.norm(points[two[:, 1]] - points[two[:, 0]], axis=1)
+        else:
+            reach = length[lines].sum(axis=1)
         stiff, EI = k[lines].min(axis=1), rigidity[lines].mean(axis=1)  # EI [N m^2]
         if bending == "buckling":
             k_b = 0.5 * EI
@@ -229,8 +248,8 @@ class Springs:
                 at = lines[:, side]
                 np.add.at(k, at, -k_f * length[lines].sum(axis=1) / length[at])
         pairs = np.ascontiguousarray(np.concatenate([edges, diagonals, two]))
-        ends = points[pairs]
-        rest = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        across_cells = np.linalg.norm(corners[:, [2, 3]] - corners[:, [0, 1]], axis=2).T.ravel()
+        rest = np.concatenate([length, across_cells, reach])
         sizes = [len(k), len(k_d), len(k_f)]
         kind = np.repeat(np.array([EDGE, DIAGONAL, BEND]), sizes)
         k_b = np.concatenate([np.zeros(len(k) + len(k_d)), k_b])
@@ -285,11 +304,18 @@ def _along_cells(surface, corners, fabric):
     if not fabric.directional:
         return np.tile(fabric.membrane, (m, 1, 1)), np.tile(fabric.bending, (m, 1, 1))
     edge = corners[:, 1] - corners[:, 0]
+    if corners.shape[2] == 2:  # in a flat panel, whose first axis is the warp
+        angle = np.arctan2(edge[:, 1], edge[:, 0])
+        return _turned(fabric, angle)
     normal = np.cross(edge, corners[:, 3] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     warp = np.broadcast_to(surface.warp, edge.shape)
     turned = np.cross(normal, warp)
-    angle = np.arctan2(np.sum(edge * turned, 1), np.sum(edge * warp, 1))
+    return _turned(fabric, np.arctan2(np.sum(edge * turned, 1), np.sum(edge * warp, 1)))
+
+
+def _turned(fabric, angle):
+    """Membrane and bending matrices (m, 3, 3) of a fabric turned by angles (m,) [rad]."""
     angle, which = np.unique(np.round(np.degrees(angle), 6), return_inverse=True)
     sheets = [fabric.rotated(a) for a in angle]
     A, B = (np.array([getattr(s, n) for s in sheets]) for n in ("membrane", "bending"))

@@ -41,7 +41,8 @@ class Stepper:
     mass, inertia : (n_owned,) [kg, kg m^2]; points : (n_owned, 3), reference positions [m]
     clock : Clock, of which `time`, `dt` and `steps` are; books : Books
     parts : list of Part, in the order of their turns in a step, see `add`
-    contact : RunningContact or None, the one among them
+    contact : RunningContact or None, the one among them; self_contact : that of the sheet with
+        itself, or None
     """
 
     implicit = False
@@ -50,6 +51,7 @@ class Stepper:
         self.shell = require_shell(shell, type(self).__name__)
         self.parts: list[Part] = []
         self.contact: RunningContact | None = None
+        self.self_contact: Any = None
         partition, n = shell.partition, shell.partition.n_owned
         self.n_owned = n
         shell.supports.freeze()
@@ -125,9 +127,10 @@ class Stepper:
 
     def describe_contact(self) -> dict[str, Any]:
         """Names of the segments in contact and coefficients of friction, where there are any."""
+        itself = {} if self.self_contact is None else {"self_contact": True}
         if self.contact is None:
-            return {}
-        plan: dict[str, Any] = {"contact": list(self.contact.body.names)}
+            return itself
+        plan: dict[str, Any] = itself | {"contact": list(self.contact.body.names)}
         friction = self.contact.friction
         if friction.static > 0:
             plan["friction"] = [friction.static, friction.kinetic]
@@ -152,6 +155,8 @@ class Stepper:
     def remove(self, part: Part) -> None:
         """Let a part run no longer."""
         self.parts.remove(part)
+        if part is self.contact:
+            self.contact = None
 
     def set_contact(self, contact: RunningContact) -> None:
         """Take over a contact; ValueError if there is one, or if its books came first."""
@@ -163,6 +168,17 @@ class Stepper:
                     f"add the contact before {type(part).__name__}, which books what it does"
                 )
         self.contact = contact
+
+    def set_self_contact(self, contact: Part) -> None:
+        """Take over a contact of the sheet with itself; ValueError as `set_contact`."""
+        if self.self_contact is not None:
+            raise ValueError("the cloth of this stepper meets itself already")
+        for part in self.parts:
+            if part.books_contact:
+                raise ValueError(
+                    f"add the contact before {type(part).__name__}, which books what it does"
+                )
+        self.self_contact = contact
 
     def add_applied_force(self, part: AppliedForce) -> None:
         """ValueError: only explicit steps take forces that depend on the motion."""
@@ -262,7 +278,10 @@ class _Context:
         self.stepper = stepper
 
     def solveStep(self, ts, t, u):
-        self.stepper.step(ts.getTimeStep())
+        dt = ts.getTimeStep()
+        # the traceback of an error that somebody keeps would keep them beyond the end of PETSc
+        del ts, u
+        self.stepper.step(dt)
 
     def adaptStep(self, ts, t, u):
         return self.stepper.next_dt(), True

@@ -74,7 +74,13 @@ class CellMembrane:
         points = (partition.surface.points[partition.nodes] - partition.origin)[dofs]
         self._warp = cell_warp(partition.surface, fabric, partition)
         membrane = np.asarray(fabric.membrane)
-        self.B, self.modes, self.area = six_lengths(points, self._warp, membrane)
+        self._rest = points if partition.flat is None else partition.flat
+        self.B, self.modes, self.area = six_lengths(self._rest, self._warp, membrane)
+        # of cells cut from flat panels; others have the lengths of the reference state
+        self._flat_lengths: np.ndarray | None = None
+        if partition.flat is not None:
+            sides = partition.flat[:, SECOND] - partition.flat[:, FIRST]
+            self._flat_lengths = 0.5 * np.sum(sides**2, axis=2)
         self._forms = SegmentForms(mesh, points, weighted=relaxed)
         self._stiffness = membrane
         self.wrinkles: Wrinkles | None = None
@@ -126,8 +132,8 @@ class CellMembrane:
         _, stress, _ = self._relaxed(E)
         state, direction = self._relaxed.state.copy(), self._relaxed.direction
         corners = self._points + np.reshape(w, -1)[self._index].reshape(-1, 4, 6)[:, :, :3]
-        axes = lamina_axes(self._points, self._warp)
-        crest = crests(self._points, corners, axes, direction)
+        axes = lamina_axes(self._rest, self._warp)
+        crest = crests(self._rest, corners, axes, direction)
         crest[state != WRINKLED] = 0.0
         return Wrinkling(state, crest, wrinkle_strain(E, stress, self._stiffness, state))
 
@@ -141,6 +147,8 @@ class CellMembrane:
     def _lengths_of(self, cells, w):
         """Lengths (k, 6) of some cells less those at rest; compiles nothing."""
         nodes = np.reshape(w, -1)[self._index[cells]].reshape(-1, 4, 6)
+        if self._flat_lengths is not None:
+            return self._of_arcs(cells, nodes) - self._flat_lengths[cells]
         rest = self._reference.reshape(-1)[self._index[cells]].reshape(-1, 4, 6)
         return self._of_arcs(cells, nodes) - self._of_arcs(cells, rest)
 
@@ -212,6 +220,8 @@ class CellMembrane:
         return np.reshape(w, -1)[self._index]
 
     def _lengths(self, cells):
+        if self._flat_lengths is not None:
+            return self._forms.lengths(cells) - self._flat_lengths
         return self._forms.lengths(cells) - self._forms.lengths(self._cells(self._reference))
 
     def _stressing(self, cells, stress_from):
@@ -231,6 +241,8 @@ class CellMembrane:
 
 def cell_warp(surface: Surface, fabric: Sheet, partition: Partition) -> np.ndarray | None:
     """Warp (m, 3) of this rank's cells or (3,) of all; None if all directions are alike."""
+    if fabric.directional and partition.flat is not None:
+        return np.array([1.0, 0.0, 0.0])
     if not fabric.directional or surface.warp is None:
         return None
     warp = np.asarray(surface.warp, float)

@@ -22,7 +22,7 @@ from shellform.material.sheet import Sheet
 from .arc import half_length_squared, turning
 from .c_library import library
 from .quad_force import in_blocks
-from .quad_rest import lamina
+from .quad_rest import corners_at_rest, lamina
 from .six_lengths import FIRST, SECOND, six_lengths
 from .strains import voigt_rows
 
@@ -52,6 +52,7 @@ class CellStress:
     warp : (3,), (m, 3) or None; fabric : Sheet
     curves : six Curve or None, in the order of `Measured.curves`; or None
     friction : ClothFriction or None
+    flat : (m, 4 or 3, 3), corners of cells whose rest shape is that of flat panels, or None
 
     Attributes
     ----------
@@ -67,6 +68,7 @@ class CellStress:
         fabric: Sheet,
         curves: tuple[Curve | None, ...] | None = None,
         friction: ClothFriction | None = None,
+        flat: np.ndarray | None = None,
     ) -> None:
         corners = cells.shape[1]
         self._ffi, self._library = library(SOURCE, DECLARATIONS, f"-DNODES={corners}")
@@ -74,7 +76,7 @@ class CellStress:
         self.count, self._n = len(cells), len(points)
         padded = np.concatenate([cells, np.repeat(cells[-1:], -len(cells) % width, axis=0)])
         blocks = padded.reshape(-1, width, corners).transpose(0, 2, 1)
-        numbers = at_rest(points, directors, cells, warp, fabric)
+        numbers = at_rest(points, directors, cells, warp, fabric, flat)
         self._friction = friction
         springs = np.zeros((0, 3)) if friction is None else friction.table()
         many = [0] * 6 if friction is None else friction.counts()
@@ -191,12 +193,13 @@ def at_rest(
     cells: np.ndarray,
     warp: np.ndarray | None,
     fabric: Sheet,
+    flat: np.ndarray | None = None,
 ) -> np.ndarray:
     """Numbers of the cells as cell_stress.c reads them: (m, 42) of quads, (m, 26) of triangles.
 
     B, rest lengths, C, rest turning angles, areas of membrane and bending.
     """
-    X, D = points[cells], directors[cells]
+    X, D = corners_at_rest(points, directors, cells, flat)
     corners = cells.shape[1]
     first, second = (FIRST, SECOND) if corners == 4 else SIDES
     dx, dd = (a[:, second] - a[:, first] for a in (X, D))
@@ -216,8 +219,8 @@ def at_rest(
         stretched = area
     angles = turning(_dot(along[0], along[1]), _dot(along[1], along[1]))
     # a rank may have no cells, so -1 would not do
-    flat = [matrix.reshape(len(cells), 3 * matrix.shape[2]) for matrix in (B, C)]
-    parts = [flat[0], lengths, flat[1], angles]
+    rows = [matrix.reshape(len(cells), 3 * matrix.shape[2]) for matrix in (B, C)]
+    parts = [rows[0], lengths, rows[1], angles]
     return np.concatenate([*parts, stretched[:, None], area[:, None]], axis=1)
 
 

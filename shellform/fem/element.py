@@ -98,7 +98,7 @@ def energy_terms(
     The membrane of quads by six lengths (`has_six_lengths`) is not among them.
     """
     mesh, surface = partition.mesh, partition.surface
-    M = strains.lamina(mesh, warp_field(partition) if fabric.directional else None)
+    M = cell_axes(partition, fabric.directional)
     V = strains.voigt(M)
     matrices = ("membrane", "coupling", "bending", "third_moment", "fourth_moment", "shear")
     A, B, D, E, F, S = (Constant(mesh, np.array(getattr(fabric, m))) for m in matrices)
@@ -199,9 +199,21 @@ def _nine_nodes(V, M, stiffness, cap, thick, of_law):
     return [*terms, Term("coupling", stacked(measures), stacked_product(V, blocks), "gauss2")]
 
 
+def cell_axes(partition: Partition, directional: bool) -> Expr:
+    """`strains.lamina` of the sheet at rest; `directional`: with the axes of its warp."""
+    warp = warp_field(partition) if directional else None
+    if partition.flat_field is None:
+        return strains.lamina(partition.mesh, warp)
+    at_rest = strains.flat_configuration(partition.mesh, partition.flat_field)
+    return strains.lamina(partition.mesh, warp, at_rest.g)
+
+
 def warp_field(partition: Partition) -> Expr:
     """UFL vector of the warp direction: one for all (3,), or one a cell (m, 3)."""
-    mesh, warp = partition.mesh, np.asarray(partition.surface.warp, float)
+    mesh = partition.mesh
+    if partition.flat is not None:
+        return Constant(mesh, np.array([1.0, 0.0, 0.0]))
+    warp = np.asarray(partition.surface.warp, float)
     if warp.ndim == 1:
         return Constant(mesh, warp)
     field = Function(vector_space(mesh, "DG", 0, 3))

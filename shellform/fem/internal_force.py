@@ -110,7 +110,8 @@ class InternalForce:
         points = shell.surface.points[partition.nodes] - partition.origin
         warp = cell_warp(shell.surface, shell.fabric, partition)
         directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
-        return QuadForce(points, directors, cells, warp, shell.fabric, shell.relaxed)
+        fabric, flat = shell.fabric, partition.flat
+        return QuadForce(points, directors, cells, warp, fabric, shell.relaxed, flat)
 
     def _pack(self, k, form):
         """Constants, coefficients, and the columns of the latter that hold w and its rates."""

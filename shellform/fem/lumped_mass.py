@@ -25,7 +25,7 @@ def nodal_areas(surface: Surface) -> np.ndarray:
     else:
         rows = product_rule(*((ENDS, ENDS) if width == 4 else (SIMPSON, SIMPSON)))
     areas = np.zeros(len(surface.points))
-    corners = surface.points[surface.cells]
+    corners = surface.corners_at_rest
     for p, q, weight in rows:
         shape, slope1, slope2 = shape_functions(width, p, q)
         g1, g2 = (np.einsum("i,kij->kj", s, corners) for s in (slope1, slope2))

@@ -7,6 +7,7 @@ is resolved in the surface's own numbering, the same on every rank, then cut to 
 """
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 from mpi4py import MPI
@@ -19,6 +20,7 @@ from meshes import Surface
 from meshes.sheets import seams
 
 from .dolfinx_compat import (
+    Function,
     Mesh,
     cell_nodes,
     geometry_nodes,
@@ -74,6 +76,27 @@ class Partition:
         self.local_numbers = np.full(len(surface.points), -1, np.int64)
         self.local_numbers[self.nodes] = np.arange(self.n_local)
         self.directors = np.asarray(surface.directors)[self.nodes]
+
+    @cached_property
+    def flat(self) -> np.ndarray | None:
+        """Corners (m_local, k, 3) of the cells in their flat panels, warp along the first axis.
+
+        In tensor order; None for a sheet whose rest shape is that of its points.
+        """
+        surface = self.surface
+        if surface.flat is None:
+            return None
+        order = DOLFINX_ORDER[surface.cells.shape[1]]
+        return np.ascontiguousarray(surface.corners_at_rest[self.cells][:, order])
+
+    @cached_property
+    def flat_field(self) -> Function | None:
+        """The corners `flat` as a field that need not agree between cells; None without."""
+        if self.flat is None:
+            return None
+        field = Function(vector_space(self.mesh, "DG", 1, 3))
+        field.x.array.reshape(-1, 3)[cell_nodes(field.function_space)] = self.flat
+        return field
 
     def petsc_vector(self, width: int) -> PETSc.Vec:
         """Vec with `width` numbers a node, ghosts included."""

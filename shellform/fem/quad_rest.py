@@ -24,6 +24,7 @@ def at_rest(
     warp: np.ndarray | None,
     fabric: Sheet,
     relaxed: bool = False,
+    flat: np.ndarray | None = None,
 ) -> np.ndarray:
     """Numbers of the cells of a sheet.
 
@@ -32,6 +33,7 @@ def at_rest(
     points, directors : (n, 3), reference state; cells : (m, 4) in tensor order
     warp : (3,), (m, 3) or None
     relaxed : bool, for the membrane relaxed by wrinkles
+    flat : (m, 4, 3), corners of cells that are flat without stress, see `corners_at_rest`
 
     Returns
     -------
@@ -40,7 +42,7 @@ def at_rest(
     matrix of the six lengths (21) and their values at rest; if relaxed strain (18), modes (12),
     area, chords and arcs at rest (6 + 6). Symmetric matrices are upper triangles.
     """
-    X, D = points[cells], directors[cells]
+    X, D = corners_at_rest(points, directors, cells, flat)
     dx, dd = (a[:, SECOND] - a[:, FIRST] for a in (X, D))
     shear, bending = _stiffness(X, warp, fabric)
     parts = [shear, bending, *_shear_and_curvature(dx, dd, D)]
@@ -56,6 +58,19 @@ def at_rest(
         matrix += np.einsum("mki,mkj->mij", modes, modes)
         parts += [matrix[:, *np.triu_indices(6)], lengths]
     return np.concatenate(parts, axis=1)
+
+
+def corners_at_rest(
+    points: np.ndarray, directors: np.ndarray, cells: np.ndarray, flat: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Corners and directors (m, k, 3) of cells without stress.
+
+    Those of the points (n, 3) and directors (n, 3), or of `flat` (m, k, 3): cells cut from flat
+    panels, in a plane z = 0 of their own each, so that what is sewn bends the cloth.
+    """
+    if flat is None:
+        return points[cells], directors[cells]
+    return flat, np.broadcast_to([0.0, 0.0, 1.0], flat.shape)
 
 
 def _dot(a, b):

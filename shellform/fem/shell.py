@@ -157,7 +157,10 @@ class Shell:
     def weak_form(self) -> WeakForm:
         """Energy, virtual work and tangent in UFL; made when first needed."""
         terms = energy_terms(self.partition, self.fabric, self.law, **self.options)
-        return WeakForm(self.mesh, terms, self.w, self.reference)
+        return self._form(terms)
+
+    def _form(self, terms):
+        return WeakForm(self.mesh, terms, self.w, self.reference, self.partition.flat_field)
 
     @cached_property
     def cell_membrane(self) -> CellMembrane | None:
@@ -193,7 +196,7 @@ class Shell:
             self.reference.x.array.reshape(-1, 6)[:, 3:],
             np.ascontiguousarray(cell_nodes(self.space)),
             cell_warp(self.surface, self.fabric, partition),
-            self.fabric, curves, friction,
+            self.fabric, curves, friction, partition.flat,
         )  # fmt: skip
 
     @cached_property
@@ -250,8 +253,7 @@ class Shell:
             pairs = form.newton(self.before, self.step)
             if self.fabric.friction is not None:
                 terms = friction_terms(self.partition, self.fabric, self._slips)
-                friction = WeakForm(self.mesh, terms, self.w, self.reference)
-                pairs += friction.newton(self.before, self.step)
+                pairs += self._form(terms).newton(self.before, self.step)
             self._compiled["strain"] = compiled(pairs)
         if self.loads.pressures and "pressure" not in self._compiled:
             self._pressure = Constant(self.mesh, 0.0)

@@ -21,7 +21,7 @@ from shellform.material.sheet import Sheet
 
 from . import strains
 from .dolfinx_compat import Expr, Function
-from .element import warp_field
+from .element import cell_axes
 from .partition import Partition
 from .terms import Term
 
@@ -43,7 +43,7 @@ def friction_terms(partition: Partition, fabric: Sheet, slips: Function) -> list
 
     That of the membrane of quads by six lengths is not among them, as it belongs to no point.
     """
-    V = strains.voigt(strains.lamina(partition.mesh, warp_field(partition)))
+    V = strains.voigt(cell_axes(partition, True))
     triangle = partition.surface.kind == "triangle"
     rule = "centroid" if triangle else "centre"
     measures = {3: strains.curvature_turning_sides if triangle else strains.curvature_turning}

@@ -17,7 +17,7 @@ What keeps the elements from locking is what is measured, and where (element.py)
   (1 + dd . dd/12) restores it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,25 +58,46 @@ def configuration(mesh: Mesh, w: Function) -> Configuration:
     return Configuration(tuple(tangents), ufl.as_vector([w[i] for i in range(3, 6)]), tuple(turns))
 
 
-def lamina(mesh: Mesh, warp: Expr | None) -> Expr:
+def flat_configuration(mesh: Mesh, flat: Function) -> Configuration:
+    """Configuration of cells in flat panels, of the field of their corners, directors upright."""
+    slope = ufl.dot(ufl.grad(flat), ufl.Jacobian(mesh))
+    g1, g2 = (ufl.as_vector([slope[i, a] for i in range(3)]) for a in range(2))
+    level = ufl.as_vector([0.0, 0.0, 0.0])
+    return Configuration((g1, g2), ufl.as_vector([0.0, 0.0, 1.0]), (level, level))
+
+
+def area(tangents: Sequence[Expr]) -> Expr:
+    """Area |G1 x G2| of two tangents."""
+    normal = ufl.cross(*tangents)
+    return ufl.sqrt(ufl.dot(normal, normal))
+
+
+def lamina(mesh: Mesh, warp: Expr | None, tangents: Sequence[Expr] | None = None) -> Expr:
     """M[i, a] = l_i . G^a: covariant components to the warp and weft axes of the sheet (Eq. 12).
 
     `warp` is a UFL 3-vector, projected on the surface; None takes the first element axis, for
-    fabrics without a preferred direction.
+    fabrics without a preferred direction. `tangents` (G1, G2) of the sheet at rest, where they are
+    not those of the mesh.
     """
-    jacobian = ufl.Jacobian(mesh)
-    G1, G2 = (ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2))
+    G1, G2 = mesh_tangents(mesh) if tangents is None else tangents
     a11, a12, a22 = ufl.dot(G1, G1), ufl.dot(G1, G2), ufl.dot(G2, G2)
-    area = ufl.sqrt(a11 * a22 - a12 * a12)
+    size = ufl.sqrt(a11 * a22 - a12 * a12)
     if warp is None:
         # l1 = G1/|G1|, l2 = n x l1: the dual vectors reduce to the metric
         root = ufl.sqrt(a11)
-        return ufl.as_matrix([[1 / root, 0], [-a12 / (root * area), root / area]])
+        return ufl.as_matrix([[1 / root, 0], [-a12 / (root * size), root / size]])
     p, q = ufl.dot(warp, G1), ufl.dot(warp, G2)
     # contravariant components of the warp's tangential part, then normalised
     c1, c2 = a22 * p - a12 * q, a11 * q - a12 * p
     length = ufl.sqrt(c1 * p + c2 * q)
-    return ufl.as_matrix([[c1 / (area * length), c2 / (area * length)], [-q / length, p / length]])
+    return ufl.as_matrix([[c1 / (size * length), c2 / (size * length)], [-q / length, p / length]])
+
+
+def mesh_tangents(mesh: Mesh) -> tuple[Expr, Expr]:
+    """Columns G_1, G_2 of the Jacobian."""
+    jacobian = ufl.Jacobian(mesh)
+    G1, G2 = (ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2))
+    return G1, G2
 
 
 def voigt(M: Expr) -> Expr:
@@ -188,8 +209,7 @@ def shear_cap(mesh: Mesh, shear_over_bending: Constant | float) -> Expr:
     ----------
     shear_over_bending : S/D [1/m^2]
     """
-    jacobian = ufl.Jacobian(mesh)
-    G1, G2 = (ufl.as_vector([jacobian[i, a] for i in range(3)]) for a in range(2))
+    G1, G2 = mesh_tangents(mesh)
     longest = ufl.max_value(ufl.dot(G1, G1), ufl.dot(G2, G2))
     if cell_name(mesh) == "triangle":
         longest = ufl.max_value(longest, ufl.dot(G1 - G2, G1 - G2))

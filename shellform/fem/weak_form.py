@@ -13,6 +13,7 @@ the iterate before, e(w_) + e'(w_) dw_ (mixed integration point, Magisano, Leone
 J. Numer. Methods Engrg. 109, 2017). With w_ = w and dw_ = 0 the same form is the exact one.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import ufl
@@ -20,7 +21,7 @@ from ufl.algorithms import expand_derivatives
 
 from .dolfinx_compat import Constant, Expr, Function, Mesh
 from .element import measure
-from .strains import Configuration, configuration
+from .strains import Configuration, area, configuration, flat_configuration, mesh_tangents
 from .terms import Term
 
 PRESSURE_RULES = {3: "vertices", 4: "gauss2", 9: "gauss3"}  # by nodes of the cell
@@ -34,19 +35,37 @@ class WeakForm:
     ----------
     mesh : of the surface; terms : of the energy, see `element.energy_terms`
     w, reference : nodal fields (u, d) now and at rest
+    flat : corners of the cells in flat panels, see `Partition`, where these are the rest shape
     """
 
     mesh: Mesh
     terms: list[Term]
     w: Function
     reference: Function
+    flat: Function | None = None
 
-    def by_rule(self) -> list[tuple[ufl.Measure, list[Term]]]:
-        """Terms by the rule that integrates them: each rule becomes a form of its own."""
+    def by_rule(self) -> list[tuple[Callable, list[Term]]]:
+        """Terms by the rule that integrates them: each rule becomes a form of its own.
+
+        The integral over the sheet at rest comes as a function of what is integrated.
+        """
         groups: dict[str, list[Term]] = {}
         for term in self.terms:
             groups.setdefault(term.rule, []).append(term)
-        return [(measure(self.mesh, rule), terms) for rule, terms in groups.items()]
+        return [(self._integral(rule), terms) for rule, terms in groups.items()]
+
+    def _integral(self, rule: str) -> Callable:
+        dx = measure(self.mesh, rule)
+        if self.flat is None:
+            return lambda integrand: integrand * dx
+        share = area(self.at_rest().g) / area(mesh_tangents(self.mesh))
+        return lambda integrand: share * integrand * dx
+
+    def at_rest(self) -> Configuration:
+        """Tangents and directors without stress."""
+        if self.flat is None:
+            return self.configuration(self.reference)
+        return flat_configuration(self.mesh, self.flat)
 
     def configuration(self, w: Function) -> Configuration:
         """Tangents and directors of a nodal field."""
@@ -54,7 +73,7 @@ class WeakForm:
 
     def strain(self, term: Term, w: Function) -> Expr:
         """Strain of a term at a nodal field, less that at rest."""
-        return term.strain(self.configuration(w)) - term.strain(self.configuration(self.reference))
+        return term.strain(self.configuration(w)) - term.strain(self.at_rest())
 
     def rate(self, term: Term, w: Function, direction: Expr) -> Expr:
         """e'(w) direction: change of a term's strain along a direction, a variation or rates."""
@@ -64,9 +83,10 @@ class WeakForm:
     def energy(self) -> dict[str, tuple]:
         """Forms of the strain energy [J] by kind of term."""
         kinds: dict[str, list] = {}
-        for dx, terms in self.by_rule():
+        for over, terms in self.by_rule():
             for term in terms:
-                kinds.setdefault(term.name, []).append(term.energy(self.strain(term, self.w)) * dx)
+                stored = over(term.energy(self.strain(term, self.w)))
+                kinds.setdefault(term.name, []).append(stored)
         return {name: tuple(forms) for name, forms in kinds.items()}
 
     def newton(self, before: Function, step: Function) -> list[tuple]:
@@ -78,14 +98,14 @@ class WeakForm:
         """
         v, dw = self._test, ufl.TrialFunction(self._space)
         pairs = []
-        for dx, terms in self.by_rule():
+        for over, terms in self.by_rule():
             force = tangent = 0
             for term in terms:
                 virtual, change = self.rate(term, self.w, v), self.rate(term, self.w, dw)
                 linearised = self.strain(term, before) + self.rate(term, before, step)
-                work = term.stress_work(linearised, virtual) * dx
+                work = over(term.stress_work(linearised, virtual))
                 force += work
-                tangent += term.stiffness_work(self.strain(term, self.w), change, virtual) * dx
+                tangent += over(term.stiffness_work(self.strain(term, self.w), change, virtual))
                 tangent += ufl.derivative(work, self.w, dw)
             pairs.append((force, tangent))
         return pairs
@@ -94,11 +114,12 @@ class WeakForm:
         """Forms of the internal force with the exact stress, one per rule."""
         return [
             sum(
-                term.stress_work(self.strain(term, self.w), self.rate(term, self.w, self._test))
-                * dx
+                over(
+                    term.stress_work(self.strain(term, self.w), self.rate(term, self.w, self._test))
+                )
                 for term in terms
             )
-            for dx, terms in self.by_rule()
+            for over, terms in self.by_rule()
         ]
 
     def damping(self, rates: Function) -> list:
@@ -108,12 +129,15 @@ class WeakForm:
         """
         return [
             sum(
-                term.product(self.rate(term, self.w, rates), self.rate(term, self.w, self._test))
-                * dx
+                over(
+                    term.product(
+                        self.rate(term, self.w, rates), self.rate(term, self.w, self._test)
+                    )
+                )
                 for term in terms
                 if term.product is not None
             )
-            for dx, terms in self.by_rule()
+            for over, terms in self.by_rule()
         ]
 
     def pressure(self, pressure: Constant) -> tuple:

@@ -154,6 +154,12 @@ class Wearer(Body):
         which = [segments.index(name) for name in names]
         return Pose(*(array[which] for array in self._segments_at(t)))
 
+    def segments_into(self, t: float, which: np.ndarray, out: Pose) -> Pose:
+        """Pose at time t [s] of segments of the recording, by their places in it, into `out`."""
+        for array, into in zip(self._segments_at(t), out, strict=True):
+            np.take(array, which, axis=0, out=into, mode="clip")  # else numpy makes a copy first
+        return out
+
     def new_joints(self, t: float = 0.0) -> Joints:
         """Arrays for `joint_state`, filled at time t [s]."""
         return self.joint_state(t, Joints(*(np.zeros((len(self.joints), 3)) for _ in range(3))))

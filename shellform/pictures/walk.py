@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from contact.body.surface_motion import SurfaceMotion
 from shellform.motion.recording import Recording
 from shellform.motion.wearer import Wearer
 
@@ -68,16 +69,17 @@ def draw_clothed(
     view: tuple[float, float] = VIEW,
     parts: int = 2,
     without: Sequence[str] = (),
+    skin: SurfaceMotion | None = None,
 ) -> np.ndarray:
-    """Draw a frame on the wearer; `without` names ellipsoids to leave out.
+    """Draw a frame on the wearer, on its skin if there is one.
+
+    without : names of ellipsoids, or of segments of the skin, to leave out
 
     Returns
     -------
     corners : (n, 3) [m], all that was drawn, for `fit_view`
     """
-    pose = wearer.new_pose(frame.time)
-    shown = [k for k, name in enumerate(wearer.names) if name not in without]
-    skin = [ellipsoid_facets(pose.centres[k], pose.axes[k], wearer.radii[k], 24) for k in shown]
+    body = body_facets(wearer, frame.time, without, skin)
     sides: np.ndarray | bool | None = None
     if frame.cells.shape[1] == 4:
         facets, pieces = smooth(frame.points, frame.directors, frame.cells, parts)
@@ -87,9 +89,25 @@ def draw_clothed(
     size = np.linalg.norm(facets[:, 2] - facets[:, 0], axis=1).mean() * parts
     # cells are flat and the body is round: cloth wins where they are this close
     eye = view_axes(*view)[2]
-    solids = [(facing(patch, eye), None, SKIN, SKIN, 0.7 * size) for patch in skin]
+    solids = [(facing(patch, eye), None, SKIN, SKIN, 0.7 * size) for patch in body]
     draw_surfaces(axes, [(facets, sides, CLOTH, BACK, 0.0), *solids], *view)
-    return np.concatenate([frame.points, *(patch.reshape(-1, 3) for patch in skin)])
+    return np.concatenate([frame.points, *(patch.reshape(-1, 3) for patch in body)])
+
+
+def body_facets(
+    wearer: Wearer, time: float, without: Sequence[str] = (), skin: SurfaceMotion | None = None
+) -> list[np.ndarray]:
+    """Facets (m, 3 | 4, 3) [m] of the parts of the body at a time [s], but `without` some."""
+    if skin is not None:
+        shown = [name not in without for name in skin.names]
+        x = skin.positions(time, np.empty((skin.vertex_count, 3)))
+        return [x[skin.triangles[np.array(shown)[skin.owners]]]]
+    pose = wearer.new_pose(time)
+    return [
+        ellipsoid_facets(pose.centres[k], pose.axes[k], wearer.radii[k], 24)
+        for k, name in enumerate(wearer.names)
+        if name not in without
+    ]
 
 
 def draw_box(
@@ -119,6 +137,7 @@ def walk_figure(
     joint: str,
     obstacle: tuple[np.ndarray, np.ndarray] | None = None,
     title: str = "",
+    skin: SurfaceMotion | None = None,
 ) -> None:
     """One figure: dressing, key frames, torque about a joint against time and frame.
 
@@ -128,6 +147,7 @@ def walk_figure(
     dressing : list of (label, Frame, names left out); key_frames : list of Frame
     curves : list of Curve; joint : str
     obstacle : (corner (3,), size (3,)) [m] or None
+    skin : SurfaceMotion or None, drawn in the place of ellipsoids
     """
     from matplotlib.figure import Figure
 
@@ -141,7 +161,7 @@ def walk_figure(
         above[0].suptitle("Dressing", fontsize=10)
         panels = above[0].subplots(1, len(dressing), squeeze=False)[0]
     for axes, (label, frame, without) in zip(panels, dressing, strict=True):
-        corners = draw_clothed(axes, frame, wearer, view, without=without)
+        corners = draw_clothed(axes, frame, wearer, view, without=without, skin=skin)
         fit_view(axes, corners, view)
         axes.set_title(label, fontsize=9)
     rate = wearer.recording.rate
@@ -149,7 +169,7 @@ def walk_figure(
     panels = middle.subplots(1, len(key_frames), squeeze=False)[0]
     right, up, _ = view_axes(*view)
     for axes, frame in zip(panels, key_frames, strict=True):
-        corners = draw_clothed(axes, frame, wearer, view)
+        corners = draw_clothed(axes, frame, wearer, view, skin=skin)
         centre = corners.mean(axis=0)
         if obstacle is not None:
             corner, size = obstacle
@@ -184,6 +204,7 @@ def walk_animation(
     frames: list[Frame],
     seconds: float,
     obstacle: tuple[np.ndarray, np.ndarray] | None = None,
+    skin: SurfaceMotion | None = None,
 ) -> None:
     """GIF of a walk, the camera moving along; `seconds` between frames."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -197,7 +218,7 @@ def walk_animation(
     for frame in frames:
         for drawn in [*axes.collections, *axes.patches]:
             drawn.remove()
-        corners = draw_clothed(axes, frame, wearer, view, parts=1)
+        corners = draw_clothed(axes, frame, wearer, view, parts=1, skin=skin)
         if obstacle is not None:
             draw_box(axes, *obstacle, view)
         centre = corners.mean(axis=0)
@@ -270,6 +291,7 @@ def draw_all(
     joint: str,
     title: str,
     count: int = 9,
+    skin: SurfaceMotion | None = None,
 ) -> None:
     """walk.png, torque.png and walk.gif in a folder.
 
@@ -278,6 +300,7 @@ def draw_all(
     folder : path; wearer : Wearer
     dressing : see `walk_figure`; run : folder with the series to draw
     torques : dict, label -> rows of torque.csv or torque_mean.csv; joint : str, of walk.png
+    skin : SurfaceMotion or None, drawn in the place of ellipsoids
     """
     folder = Path(folder)
     frames = [frame for frame in read_frames(run) if frame.time >= wearer.start - 1e-9]
@@ -285,10 +308,10 @@ def draw_all(
     curves = [curve_of(label, rows, joint) for label, rows in torques.items()]
     box = obstacle_of(wearer.recording)
     keys = [frames[k] for k in picked]
-    walk_figure(folder / "walk.png", wearer, dressing, keys, curves, joint, box, title)
+    walk_figure(folder / "walk.png", wearer, dressing, keys, curves, joint, box, title, skin)
     torque_figure(folder / "torque.png", list(torques.items()), wearer.joints)
     seconds = (frames[-1].time - frames[0].time) / max(1, len(frames) - 1)
-    walk_animation(folder / "walk.gif", wearer, frames, seconds, box)
+    walk_animation(folder / "walk.gif", wearer, frames, seconds, box, skin)
 
 
 def obstacle_of(recording: Recording, width: float = 0.9) -> tuple[np.ndarray, np.ndarray] | None:

@@ -145,15 +145,7 @@ def caveats(runs: list[FinishedRun]) -> Markup:
         sources = {run.label: fabric_source(run.fabric) for run in runs}
         words = "; ".join(f"{label} ({sources[label]})" for label in guessed)
         found.append(f"The fabric, if the real one is another: {words}.")
-    found.append(
-        "Bodies are ellipsoids, rigid but where two parts press cloth against each other; there "
-        f"flesh gives way with {number(scenes[0].contact.flesh_stiffness, 2)} Pa/m, an estimate. "
-        "In strongly bent joints this softness sets the torque."
-    )
-    found.append(
-        "Cloth does not touch cloth: one trouser leg does not rub on the other, and layers do not "
-        "press through each other."
-    )
+    found += _body_caveats(scenes)
     found.append(
         "Cells do not show folds smaller than themselves; relaxed cells let them go, and are too "
         "soft where friction holds coarse ones in a bent knee. The errors above are of cells, "
@@ -172,6 +164,33 @@ def caveats(runs: list[FinishedRun]) -> Markup:
     if any(scene.motion.file == "synthetic" for scene in scenes):
         found.append("The walk is synthetic: a model of gait, not a person's capture.")
     return bullets(found)
+
+
+def _body_caveats(scenes: list) -> list[str]:
+    """What was left out of the bodies of these scenes and of cloth against cloth."""
+    found, hard = (
+        [],
+        [s for s in scenes if s.person.body == "ellipsoids" and not s.contact.flesh_bed],
+    )
+    if hard:
+        found.append(
+            "Bodies are ellipsoids, rigid but where two parts press cloth against each other: "
+            f"flesh gives way with {number(hard[0].contact.flesh_stiffness, 2)} Pa/m there, an "
+            "estimate. In strongly bent joints this softness sets the torque."
+        )
+    if any(scene.contact.flesh_bed for scene in scenes):
+        found.append("The stiffness of the flesh under the skin is an assumption.")
+    if any(scene.person.body != "ellipsoids" for scene in scenes):
+        found.append(
+            "The body of triangles is that of a person of the same girths, not the wearer's own, "
+            "unless it was scanned; it is rigid but for its joints."
+        )
+    if not all(scene.contact.self_contact for scene in scenes):
+        found.append(
+            "Cloth does not touch cloth: one trouser leg does not rub on the other, and layers do "
+            "not press through each other."
+        )
+    return found
 
 
 def cost_table(runs: list[FinishedRun]) -> Markup:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellform.fem.arc import arc_lengths
+from shellform.fem.arc import arc_lengths, sides_at_rest
 from shellform.motion.wearer import Wearer
 from shellform.pictures.views import heading_at
 from shellform.pictures.walk import obstacle_of, series_files
@@ -117,7 +117,7 @@ def _stretches(run, meshes):
         return None
     corners = cells[:, : 4 if cells.shape[1] > 3 else 3]
     pairs = np.stack([corners, np.roll(corners, -1, axis=1)], 2).reshape(-1, 2)
-    at_rest = arc_lengths(surface.points[pairs], np.asarray(surface.directors)[pairs])
+    at_rest = sides_at_rest(surface).ravel()
     return np.array(
         [
             (arc_lengths(mesh.points[pairs], mesh.point_data["director"][pairs]) / at_rest - 1)

@@ -9,10 +9,10 @@ the internal ones take the change of strain energy, `damping_loss` by stiffness 
 `energy_residual`:
 
     kinetic + strain - start = external + support + body - friction - impact - drag - damping
-                               - hysteresis + energy_residual.
+                               - hysteresis - self_impact - self_friction + energy_residual.
 
-Works and losses add up from the start, those of contact from the row before. Supports that move are
-booked with their velocity of the last half step, an error of first order.
+Works and losses add up from the start, those of contact with the body from the row before.
+Supports that move are booked with their velocity of the last half step, an error of first order.
 
 The work of a follower pressure is booked with the internal forces: with one, energy_residual holds
 it too.
@@ -67,6 +67,7 @@ class Ledger(Part):
         self._file: Path | None = None  # rank 0 writes
         self.rows: list[dict[str, float]] = []
         self._contact, self._contact_work = np.zeros(3), 0.0
+        self._lost = np.zeros(2)  # by contact of the sheet with itself before the books began
 
     def attach(self, stepper: Stepper) -> Self:
         """Begin the books with the present state of a stepper; all ranks call."""
@@ -80,6 +81,8 @@ class Ledger(Part):
             self._resume(self._resumed)
             return self
         self._start = self._momentum(), self._impulses(), stepper.balance()
+        if stepper.self_contact is not None:
+            self._lost = stepper.self_contact.losses.copy()
         if self._file:
             self._file.unlink(missing_ok=True)
         return self
@@ -89,6 +92,7 @@ class Ledger(Part):
         start = dict(zip(kinds.tolist(), numbers[12:].tolist(), strict=True))
         self._start = numbers[:3], numbers[3:12].reshape(3, 3), start
         self._contact, self._contact_work = sums[:3].copy(), float(sums[3])
+        self._lost = sums[4:6].copy()
         if self.path is None:
             return
         with open(self.path) as file:
@@ -126,6 +130,9 @@ class Ledger(Part):
             row["pinched"] = comm.allreduce(contact.pinched)
             contact.reset()
         row |= {"body_work": moved, "friction_loss": friction, "impact_loss": impact}
+        if stepper.self_contact is not None:
+            lost = stepper.self_contact.losses - self._lost
+            row["self_impact_loss"], row["self_friction_loss"] = lost.tolist()
         self._contact_work += moved - friction - impact
         residual = momentum - self._start[0] - impulses.sum(axis=0) - self._contact
         for k in range(3):
@@ -135,6 +142,7 @@ class Ledger(Part):
         gain = change["kinetic"] + change["strain"] - self._contact_work
         given = change["external"] + change["support"] - change["drag"] - change["damping"]
         given -= change.get("hysteresis", 0.0)
+        given -= row.get("self_impact_loss", 0.0) + row.get("self_friction_loss", 0.0)
         row["energy_residual"] = gain - given
         self.rows.append(row)
         if self._file:
@@ -149,7 +157,7 @@ class Ledger(Part):
         return {
             "ledger_start": np.concatenate([momentum, impulses.ravel(), list(start.values())]),
             "ledger_kinds": np.array(list(start)),
-            "ledger_sums": np.append(self._contact, self._contact_work),
+            "ledger_sums": np.concatenate([self._contact, [self._contact_work], self._lost]),
         }
 
     def _impulses(self):

@@ -71,7 +71,7 @@ def check_kinds(scene: Scene) -> None:
             if not any(_is(value, kind) for kind in kinds):
                 said = " or ".join(KINDS[kind] for kind in kinds if kind in KINDS)
                 raise ValueError(f"{name} is {said}, not {value!r}")
-    for where in ("person.girths", "garment.measures"):
+    for where in ("person.girths", "garment.measures", "contact.flesh_bed"):
         part, _, name = where.partition(".")
         for key, value in getattr(getattr(scene, part), name).items():
             if not _is(value, float):
@@ -107,6 +107,8 @@ def check_numbers(scene: Scene) -> None:
             what = "angles in degrees about x, y, z" if name == "turn" else "a shift in m"
             raise ValueError(f"garment.{name} is three numbers, {what}, not {value!r}")
     check_accuracy(scene.steps.accuracy)
+    if scene.person.sex not in ("male", "female"):
+        raise ValueError(f"person.sex is male or female, not {scene.person.sex!r}")
     if scene.steps.dressing not in ("shell", "particles"):
         raise ValueError(f"steps.dressing is shell or particles, not {scene.steps.dressing!r}")
     if scene.garment.wrinkles not in WRINKLES:

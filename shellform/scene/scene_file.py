@@ -35,7 +35,14 @@ from .parts import PARTS
 from .scene import Scene
 
 # what may be a file, relative to that of the scene
-FILES = (("motion", "file"), ("motion", "static"), ("motion", "map"), ("garment", "file"))
+FILES = (
+    ("motion", "file"),
+    ("motion", "static"),
+    ("motion", "map"),
+    ("garment", "file"),
+    ("person", "body"),
+)
+WORDS = ("synthetic", "ellipsoids", "mesh")  # in the place of a file
 
 
 def key_of(item: Field) -> str:
@@ -77,7 +84,7 @@ def _spelt(text):
 
 def _is_file(key, path):
     """A map may be a name; what else names a file is told to be missing where it is read."""
-    return key in ("file", "static") or path.is_file()
+    return key != "map" or path.is_file()
 
 
 def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Path()) -> Scene:
@@ -93,7 +100,7 @@ def scene_from(data: Mapping[str, Any], where: str = "scene", folder: Path = Pat
     values |= _named(data, top, where, more=[f"[{name}]" for name in PARTS])
     for name, key in FILES:
         file = getattr(values[name], key)
-        if isinstance(file, str) and file != "synthetic":
+        if isinstance(file, str) and file not in WORDS:
             path = folder / _spelt(file)
             if _is_file(key, path):
                 values[name] = replace(values[name], **{key: str(path)})
@@ -135,7 +142,7 @@ def write_scene(scene: Scene, path: str | Path) -> None:
         part = getattr(scene, name)
         for item in fields(part):
             value = getattr(part, item.name)
-            if (name, item.name) in FILES and value not in (None, "synthetic"):
+            if (name, item.name) in FILES and value not in (None, *WORDS):
                 whole = Path(value).absolute()
                 value = str(whole if _is_file(item.name, whole) else value)
             if value is not None:

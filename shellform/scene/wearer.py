@@ -65,12 +65,15 @@ def wearer_of(scene: Scene) -> Wearer:
 def ellipsoids_of(scene: Scene, recording: Recording) -> list[anthropometry.Ellipsoid]:
     """Ellipsoids of the wearer of a scene who stands in the first frame, as rows for `Wearer`."""
     person = scene.person
+    girths = dict(person.girths)
+    if person.body != "ellipsoids":
+        girths.pop("knee", None)  # which ellipsoids have not
     right, left = (recording.points[f"{side}_thigh"][0, 0] for side in SIDES)
     return anthropometry.ellipsoids(
         {name: length for name, (length, _) in recording.lengths().items()},
         stature=person.stature or recording.facts.get("stature"),
         mass=person.mass,
-        girths=person.girths or None,
+        girths=girths or None,
         hip_spacing=float(np.linalg.norm(right - left)),
     )
 
@@ -78,8 +81,11 @@ def ellipsoids_of(scene: Scene, recording: Recording) -> list[anthropometry.Elli
 def dressed_wearer(scene: Scene, wearer: Wearer, surface: Surface) -> Wearer:
     """The wearer with only the ellipsoids that the garment can come to; the same if these are all.
 
-    What `reachable` leaves out is kept where a table of parts names it.
+    What `reachable` leaves out is kept where a table of parts names it. A body of triangles stays
+    whole: its segments are those of the skin.
     """
+    if scene.person.body != "ellipsoids":
+        return wearer
     near = reachable(wearer, surface, scene.belt)
     names = {wearer.names[k] for k in np.flatnonzero(near)}
     if isinstance(scene.output.parts, dict):

@@ -47,7 +47,7 @@ def check(scene: Scene | str | Path, comm: MPI.Comm = MPI.COMM_WORLD) -> list[st
         from shellform.dynamics.springs import Springs
 
         surface = model.surface
-        Springs(surface, surface.cells, surface.points, model.shell.fabric)
+        Springs(surface, surface.cells, surface.points, model.shell.fabric, flat=surface.flat)
     return [
         scene.title,
         *motion_lines(model),

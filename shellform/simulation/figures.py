@@ -7,6 +7,7 @@ from shellform.dressing.procedure import STAGES
 from shellform.motion.recording import SIDES
 from shellform.results.mean_torque import mean_rows
 from shellform.scene.scene_file import read_scene
+from shellform.scene.skin import skin_of_scene
 from shellform.scene.wearer import part_of, wearer_of
 
 
@@ -20,15 +21,16 @@ def draw(out: str | Path) -> None:
     out = Path(out)
     scene = read_scene(out / "scene.toml")
     wearer = wearer_of(scene)
+    skin = skin_of_scene(scene, wearer)
     rows = {scene.title: mean_rows(out)}
-    draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title)
+    draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title, skin=skin)
     draw_walk_wrinkles(out / "wrinkles.png", wearer, out, scene.title)
     if (out / "pressure.npz").is_file():
         from shellform.results.skin_pressure import load
 
-        skin = load(out / "pressure.npz")
-        dressed = part_of(scene, wearer, skin.names)
-        pressure_figure(out / "pressure.png", dressed, skin, wearer.start, scene.title)
+        pressed = load(out / "pressure.npz")
+        dressed = part_of(scene, wearer, pressed.names)
+        pressure_figure(out / "pressure.png", dressed, pressed, wearer.start, scene.title)
 
 
 def dressing_frames(out: str | Path) -> list[tuple]:

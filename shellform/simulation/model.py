@@ -6,19 +6,22 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+from contact.body.surface_motion import SurfaceMotion
 from shellform.contact_coupling.contact import Contact
 from shellform.contact_coupling.explicit_contact import ExplicitContact
 from shellform.dressing.belt import Belt
 from shellform.dressing.dress import dress
 from shellform.dressing.procedure import Dressing
 from shellform.dressing.saved_state import put_on
-from shellform.dressing.settle import AT_LEAST, settle_again
+from shellform.dressing.settle import AT_LEAST, settle_again, settle_on
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
 from shellform.scene.checks import check_dressing
+from shellform.scene.flesh import flesh_of
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene
+from shellform.scene.skin import skin_of_scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
 
 
@@ -32,6 +35,7 @@ class Model:
     Attributes
     ----------
     wearer : Wearer of those ellipsoids that the garment can come to; whole : Wearer of all of them
+    skin : SurfaceMotion that is met instead of them, or None
     surface : meshes.Surface, the garment; shell, stepper, contact : of the garment on the wearer
     belt : Belt, once the garment is on
     """
@@ -39,6 +43,7 @@ class Model:
     def __init__(self, scene: Scene, comm: MPI.Comm):
         self.scene, self.comm = scene, comm
         self.whole = wearer_of(scene)
+        self.skin = skin_of_scene(scene, self.whole)
         self.surface = garment_of(scene, self.whole)
         self.wearer = dressed_wearer(scene, self.whole, self.surface)
         fabric = scene.cloth
@@ -52,22 +57,28 @@ class Model:
             self.shell, steps.time_step_factor, damping=steps.damping, drag=steps.drag
         )
         self.stepper.strain_energy()
-        self.contact = self._meet(self.stepper)
+        self.contact = self._meet(self.stepper, self.skin)
         self.belt: Belt | None = None
 
-    def _meet(self, stepper: Newmark) -> ExplicitContact:
-        """Contact of a stepper's nodes with those ellipsoids that each can come to."""
+    def _meet(self, stepper: Newmark, skin: SurfaceMotion | None = None) -> ExplicitContact:
+        """Contact of a stepper's nodes with those parts of the body that each can come to."""
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
         kinetic = contact.kinetic_friction
+        flesh = flesh_of(self.scene, self.whole.names, self.wearer.names)
         running = stepper.add(
             Contact(
                 self.wearer,
                 contact.friction if kinetic is None else (contact.friction, kinetic),
                 contact.offset,
-                flesh_stiffness=contact.flesh_stiffness,
+                # thighs and calves of a skin meet by its own shape, flesh by its own stiffness
+                flesh_stiffness=contact.flesh_stiffness if flesh is skin is None else None,
+                flesh=flesh,
+                surface=skin,
+                self_contact=contact.self_contact,
             )
         )
-        running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
+        if skin is None:  # a part of a skin would be open, and known no inside
+            running.correction.allowed[:] = reach_of(self.surface, self.wearer)[owned]
         return running
 
     @property
@@ -91,7 +102,16 @@ class Model:
         self.belt = self.stepper.add(Belt("waist", self.scene.belt))
 
     def _dress_shell(self, watch: Callable | None) -> tuple[Belt, dict]:
-        return dress(self.stepper, self.scene.belt, watch=watch)
+        if self.skin is None:
+            return dress(self.stepper, self.scene.belt, watch=watch)
+        # feet are no part of the body while trousers are pulled up: ellipsoids can be left out
+        self.stepper.remove(self.contact)
+        bare = self._meet(self.stepper)
+        belt, first = dress(self.stepper, self.scene.belt, watch=watch)
+        self.stepper.remove(bare)
+        self.contact = self._meet(self.stepper, self.skin)
+        report = settle_on(self.stepper, belt, Dressing())
+        return belt, report | {"seconds": first["seconds"] + AT_LEAST + report["seconds"]}
 
     def _dress_springs(self, watch: Callable | None) -> tuple[Belt, dict]:
         """Masses and springs are put on first; the shell bends where they do not: it settles."""

@@ -7,6 +7,8 @@ and not in the run either:
 element, terms    strains whose energy counts; inertia, gravity, drag, damping where there are any
 contact           ellipsoids that the garment can come to; out_of_reach: those it cannot
 friction          (mu_s, mu_k); creases: where parts of the body press cloth against each other
+body              where it is of triangles, their source
+self_contact      where cloth meets cloth
 fabric            its name, what of it is estimated and what measured, where the card says so
 wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is reported
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
@@ -17,11 +19,13 @@ that folds are then those of the mesh: `demos/studies/performance/what_it_saves.
 
 from collections.abc import Sequence
 
+from contact.body.flesh_bed import HARD
 from meshes import Surface
 from shellform.dressing.procedure import Dressing
 from shellform.fem.element import terms_of
 from shellform.motion.wearer import Wearer
 from shellform.scene.checks import check_dressing
+from shellform.scene.flesh import flesh_of
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
@@ -30,7 +34,7 @@ WRINKLES = {
     "relaxed": "relaxed: those smaller than a cell let go of compression",
     "resolved": "resolved: cells alone fold",
 }
-SEEN = ("out_of_reach", "friction", "creases", "joints")  # lines below that of contact
+SEEN = ("out_of_reach", "friction", "flesh", "creases", "joints")  # lines below that of contact
 
 
 def plan_of(
@@ -71,7 +75,17 @@ def plan_of(
     if contact.friction:
         kinetic = contact.kinetic_friction
         plan["friction"] = [contact.friction, contact.friction if kinetic is None else kinetic]
-    if len(near) > 1:
+    if contact.self_contact:
+        plan["self_contact"] = True
+    flesh = flesh_of(scene, wearer.names, near)
+    if flesh is not None:
+        by_name = zip(near, flesh.beds(near)["stiffness"], strict=True)
+        plan["flesh"] = [f"{name} {k:g} Pa/m" for name, k in by_name if k < HARD]
+    if scene.person.body != "ellipsoids":
+        plan["body"] = f"triangles of {scene.person.body}" + (
+            f", {scene.person.sex}" if scene.person.body == "mesh" else ""
+        )
+    elif flesh is None and len(near) > 1:
         soft = contact.flesh_stiffness
         plan["creases"] = f"soft, {soft:g} Pa/m" if soft else "hard"
     recording = wearer.recording
@@ -87,7 +101,7 @@ def plan_of(
     if scene.runs > 1:
         plan["outputs"].append("torque_mean.csv")
     if output.pressure:
-        plan["outputs"].append("pressure.npz")
+        plan["outputs"].append("pressure.vtu" if "body" in plan else "pressure.npz")
     return {name: value for name, value in plan.items() if value or value is False}
 
 
@@ -97,7 +111,11 @@ def plan_lines(plan: dict) -> list[str]:
     if "law" in plan:
         lines.append(f"law        {plan['law']}")
     if "contact" in plan:
-        lines.append(f"contact    {len(plan['contact'])} ellipsoids: {', '.join(plan['contact'])}")
+        kind = f"skin of {plan['body']} on" if "body" in plan else ""
+        lines.append(
+            f"contact    {kind or len(plan['contact'])} {'segments' if kind else 'ellipsoids'}: "
+            f"{', '.join(plan['contact'])}"
+        )
         for name in SEEN:
             if name in plan:
                 value = plan[name]
@@ -105,7 +123,8 @@ def plan_lines(plan: dict) -> list[str]:
                 lines.append(f"           {name.replace('_', ' ')}: {value}")
         if "friction" not in plan:
             lines.append("           no friction")
-        lines.append("           no contact of cloth with cloth")
+        itself = "cloth meets cloth" if "self_contact" in plan else "no contact of cloth with cloth"
+        lines.append(f"           {itself}")
     else:
         lines.append("contact    none")
     if "dressing" in plan:

@@ -29,7 +29,9 @@ class Recorders:
 
     Attributes
     ----------
-    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure, or None if not asked for
+    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure on ellipsoids, and
+        vertices : SurfacePressure on a body of triangles, or None if not asked for
+    crossings : Crossings, None where cloth does not meet cloth
     counted : begin and end [s] of what counts for torque and pressure, see `counted`; depths
     and the ledger are kept throughout
     """
@@ -40,8 +42,17 @@ class Recorders:
         self.joints: Torque = add(Torque(out / "torque.csv", output.parts, resumed))
         self.ledger: Ledger = add(Ledger(out / "ledger.csv", resumed))
         self.extremes: Extremes = add(Extremes(resumed))
+        self.crossings: Crossings | None = None
+        if model.contact.cloth is not None:
+            self.crossings = add(Crossings(resumed))
         self.skin = None
-        if output.pressure:
+        self.vertices = None
+        if output.pressure and model.skin is not None:
+            # only here, as below; on triangles it is found at their vertices
+            from shellform.results.surface_pressure import SurfacePressure
+
+            self.vertices = add(SurfacePressure(resumed))
+        elif output.pressure:
             # only here: it compiles a kernel of its own
             from shellform.results.skin_pressure import Pressure
 
@@ -55,10 +66,14 @@ class Recorders:
         force : (n_owned, 3) [N], mean of contact on the nodes in the window
         """
         self.joints.record(time)
+        begin, end = self.counted
+        whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
         if self.skin:
-            begin, end = self.counted
-            whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
             self.skin.record(time, whole)
+        if self.vertices:
+            self.vertices.record(time, whole)
+        if self.crossings is not None:
+            self.crossings.count()
         force = self._window.impulse / self._window.seconds
         self.ledger.record()
         return force
@@ -99,6 +114,30 @@ class Extremes(Part):
     def saved(self) -> dict:
         """Largest values over all ranks, for `resumed`."""
         return {"extremes": np.max(self.stepper.shell.comm.allgather(self.values), axis=0)}
+
+
+class Crossings(Part):
+    """Most edges of cloth that passed through its triangles at any record.
+
+    Parameters
+    ----------
+    resumed : state of a checkpoint or None
+
+    Attributes
+    ----------
+    most : int
+    """
+
+    def __init__(self, resumed: dict[str, Any] | None = None) -> None:
+        self.most = 0 if resumed is None else int(resumed["crossings"])
+
+    def count(self) -> None:
+        """Look at the present positions; all ranks call."""
+        self.most = max(self.most, self.stepper.self_contact.intersections())
+
+    def saved(self) -> dict:
+        """See Part."""
+        return {"crossings": np.array(self.most)}
 
 
 def write_frame(model: Model, series: Series, force: np.ndarray) -> None:

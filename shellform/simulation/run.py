@@ -224,7 +224,7 @@ def _save_checkpoint(walk: Walk) -> None:
 
 
 def _write_results(walk: Walk) -> dict:
-    """summary.json, and pressure.npz where it was asked for; returns the results."""
+    """summary.json, pressure.npz or pressure.vtu where it was asked for; returns the results."""
     model, report, recorders = walk.model, walk.report, walk.recorders
     report.shift(model.contact.seconds, "solve", "contact")
     results = summary(model, recorders, walk.fit)
@@ -236,6 +236,13 @@ def _write_results(walk: Walk) -> dict:
         results["pressure"] = skin_pressure.summary(pressures)
         if model.comm.rank == 0:
             skin_pressure.save(walk.out / "pressure.npz", pressures)
+    if recorders.vertices:
+        # only here, as in Recorders
+        from shellform.results import surface_pressure
+
+        found = recorders.vertices.result()
+        if model.comm.rank == 0:
+            surface_pressure.write(walk.out / "pressure.vtu", found)
     report.write(
         results,
         steps=model.stepper.steps,

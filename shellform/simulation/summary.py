@@ -24,26 +24,32 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
     counted = recorders.counted
     residual = max(row["momentum_residual"] for row in recorders.ledger.rows)
     depth, pinched, pinch_depth = recorders.extremes.saved()["extremes"]
-    return {
-        "joints": {
-            j: resistance(joints.rows, j, walked[j.split("_")[0]], wearer.start, counted)
-            for j in joints.joints
-        },
-        "counted_s": list(counted),
-        "parts": joints.parts,
-        "window": scene.output.window,
-        "weight": weight,
-        "force_balance_error": residual / (weight * scene.output.window) if weight else residual,
-        "max_penetration": depth,
-        "pinched_most": int(pinched),
-        "pinched_depth": pinch_depth,
-        "dressing": fit,
-        "strides": walked,
-        "stride_length": facts.get("stride_length"),
-        "cadence": facts.get("cadence"),
-        "segment_lengths": wearer.recording.lengths(),
-        "notes": [*wearer.recording.notes, *model.surface.notes],
-    } | _cloth(scene.cloth)
+    return (
+        {
+            "joints": {
+                j: resistance(joints.rows, j, walked[j.split("_")[0]], wearer.start, counted)
+                for j in joints.joints
+            },
+            "counted_s": list(counted),
+            "parts": joints.parts,
+            "window": scene.output.window,
+            "weight": weight,
+            "force_balance_error": residual / (weight * scene.output.window)
+            if weight
+            else residual,
+            "max_penetration": depth,
+            "pinched_most": int(pinched),
+            "pinched_depth": pinch_depth,
+            "dressing": fit,
+            "strides": walked,
+            "stride_length": facts.get("stride_length"),
+            "cadence": facts.get("cadence"),
+            "segment_lengths": wearer.recording.lengths(),
+            "notes": [*wearer.recording.notes, *model.surface.notes],
+        }
+        | _cloth(scene.cloth)
+        | _itself(model, recorders)
+    )
 
 
 def _cloth(fabric):
@@ -51,6 +57,26 @@ def _cloth(fabric):
     if fabric.provenance is None:
         return {}
     return {"fabric": f"{fabric.name}: {fabric.provenance.line()}"}
+
+
+def _itself(model, recorders):
+    """What contact of cloth with cloth found, and its limits; nothing where it is not asked for."""
+    cloth = model.contact.cloth
+    if cloth is None:
+        return {}
+    lost = {name: recorders.ledger.rows[-1][f"self_{name}_loss"] for name in ("impact", "friction")}
+    return {
+        "intersections": recorders.crossings.most,
+        "self_contact": {
+            "thickness": cloth.thickness,
+            "pairs_most": cloth.most_pairs,
+            "closest": cloth.closest if cloth.closest < float("inf") else None,
+            "steps_at_limit": cloth.limited,
+            "searches": cloth.listings,
+            "impact_loss": lost["impact"],
+            "friction_loss": lost["friction"],
+        },
+    }
 
 
 def summary_lines(results: dict) -> list[str]:
@@ -69,9 +95,26 @@ def summary_lines(results: dict) -> list[str]:
         lines.append(
             f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
         )
+    if "self_contact" in results:
+        lines += _itself_lines(results["self_contact"], results["intersections"])
     if "fabric" in results:
         lines.append(f"fabric {results['fabric']}")
     return lines + torque_lines(results)
+
+
+def _itself_lines(found, crossings):
+    near = "never near itself"
+    if found["closest"] is not None:
+        near = (
+            f"{found['pairs_most']} pairs at most, {1e3 * found['closest']:.2f} mm apart at least"
+        )
+    line = f"cloth on cloth: {near}; {crossings} edges through triangles at most"
+    if crossings:
+        line += ": dressed without self_contact?"
+    lines = [line]
+    if found["steps_at_limit"]:
+        lines.append(f"cloth on cloth was not solved to the end in {found['steps_at_limit']} steps")
+    return lines
 
 
 def torque_lines(results: dict) -> list[str]:

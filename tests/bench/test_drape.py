@@ -52,7 +52,7 @@ def test_shadow_of_a_flat_ring(cells):
 
 def test_stiff_cloth_stays_flat():
     """The ring sags by the deflection of a plate; its coefficient goes to 100 %."""
-    found = drape(cloth(5e-3), cells=(24, 2), last=1.5)
+    found = drape(cloth(5e-3), cells=(24, 2), lowering=0.5, wait=1.0)
     assert 0.995 < found.coefficient < 1.0
 
 
@@ -60,7 +60,7 @@ def test_limp_cloth_hangs_in_folds():
     """More stiffness, larger coefficient and fewer folds."""
     coefficients, folds = [], []
     for B in (2e-6, 5e-5):
-        found = drape(cloth(B), cells=(72, 6), last=1.5)
+        found = drape(cloth(B), cells=(72, 6), lowering=1.0, wait=1.0)
         coefficients.append(found.coefficient)
         folds.append(found.folds)
     assert 0.1 < coefficients[0] < 0.5 < coefficients[1] < 0.95
@@ -68,7 +68,7 @@ def test_limp_cloth_hangs_in_folds():
 
 
 def test_starts_differ_and_repeat():
-    one, again, other = (drape(cloth(1e-5), k, (48, 4), last=0.4) for k in (0, 0, 1))
+    one, again, other = (drape(cloth(1e-5), k, (48, 4), 0.1, 0.3) for k in (0, 0, 1))
     assert np.array_equal(one.shadow, again.shadow)
     assert np.abs(one.shadow - other.shadow).max() > 1e-4
     assert not one.settled and one.seconds == 0.4

@@ -31,7 +31,7 @@ def test_the_cloth():
 
 
 def test_the_table(tmp_path, capsys, monkeypatch):
-    def fallen(fabric, start=0, cells=None):
+    def fallen(fabric, start, cells, lowering):
         part = 0.701 + 0.01 * start
         return Drape(part, 7 + start % 2, np.full(8, 0.1), 1.0, True, None, None)
 

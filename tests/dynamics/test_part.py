@@ -15,6 +15,7 @@ from shellform.dynamics.implicit import ImplicitNewmark
 from shellform.dynamics.part import AppliedForce, Part
 from shellform.results.joint_torque import Torque
 from shellform.results.ledger import Ledger
+from tests.ranks import launch
 
 
 def sheet(gravity=0.0):
@@ -160,3 +161,24 @@ def test_files_have_a_folder(place, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match=said):
         Newmark(sheet()).add(Ledger(place))
+
+
+@pytest.mark.serial
+def test_an_error_that_is_kept_does_not_crash_at_exit():
+    """Its traceback holds the frames of a step, and these the TS, which PETSc ends before."""
+    program = (
+        "import meshes, shellform as sf\n"
+        "sheet = meshes.rectangle(0.2, 0.2, (2, 2))\n"
+        "stepper = sf.Newmark(sf.Shell(sheet, sf.Fabric.isotropic(1e5, 0.3, 1e-3, 200.0)))\n"
+        "def fails(stepper, dt):\n"
+        "    raise sf.Unstable('made up')\n"
+        "stepper.add(fails)\n"
+        "kept = []\n"
+        "try:\n"
+        "    stepper.advance(0.01)\n"
+        "except sf.Unstable as error:\n"
+        "    kept.append(error)\n"
+        "print(kept[0])\n"
+    )
+    done = launch(1, "-c", program)
+    assert (done.returncode, done.stderr) == (0, "") and "made up" in done.stdout

@@ -24,7 +24,10 @@ OTHER = Scene(
         unit="mm", up="y", cutoff=8.0, max_gap=0.25, start=0.5, end=2.25, initiation=0.75,
         strides=3, obstacle=0.1,
     ),
-    person=Person(stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}),
+    person=Person(
+        stature=1.8, mass=90.5, girths={"waist": 1.01, "calf": 0.4}, body="/bodies/scan.toml",
+        sex="female",
+    ),
     garment=Garment(
         turn=[0, 0, 90.0],
         place=[0.0, 0.1, 0.0],
@@ -33,8 +36,13 @@ OTHER = Scene(
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
         kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
         max_elongation=0.3, wrinkles="resolved",
+        stitches=[["front.side", "back.side"]], about={"front": "pelvis"},
     ),
-    contact=Contact(friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5),
+    contact=Contact(
+        friction=0.6, kinetic_friction=0.4, offset=1e-3, flesh_stiffness=3e5,
+        flesh_bed={"body": 6.7e5, "left_calf": 1e5},
+        self_contact=True,
+    ),
     steps=Steps(
         accuracy="2.5%", time_step_factor=0.5, damping=1e-6, drag=1.0, dressing="particles", runs=5
     ),

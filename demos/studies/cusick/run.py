@@ -11,6 +11,7 @@ the scatter of one specimen draped again, and folds. Neither bending nor shear o
 and what is compared is what was not fitted: the folds, and the scatter from start to start.
 
     python -m demos.studies.cusick.run --starts 5 --out out/cusick
+    python -m demos.studies.cusick.run --lowering 0 --out out/cusick_dropped
     python -m demos.studies.cusick.run --fabrics cotton_blue --cells 48 --starts 2
 
 prints a table and leaves summary.json in the folder.
@@ -23,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellform import Fabric, console
-from shellform.bench.drape import drape
+from shellform.bench.drape import LOWERING, drape
 from shellform.material.measurements import measured_fabric
 from shellform.results.report import Report
 
@@ -81,12 +82,12 @@ def fit(coefficient: Callable[[float], float], wanted: float, first: float) -> t
     return float(np.exp(log_b)), found
 
 
-def study(name: str, friction: bool, starts: int, around: int) -> dict:
+def study(name: str, friction: bool, starts: int, around: int, lowering: float) -> dict:
     """Fit a fabric by its first start, then drape it from several."""
     real, cells = REAL[name], (around, around // 12)
 
     def fallen(B, start=0):
-        return drape(cloth(real.mass, B, friction), start, cells)
+        return drape(cloth(real.mass, B, friction), start, cells, lowering)
 
     # that of the bending length which drapes to half at this size
     first = real.mass * 9.81 * 0.018**3 * np.exp((real.coefficient - 50) / 20)
@@ -95,7 +96,8 @@ def study(name: str, friction: bool, starts: int, around: int) -> dict:
     percent = [100 * one.coefficient for one in drapes]
     folds = [one.folds for one in drapes]
     return {
-        "fabric": name, "friction": friction, "B": B, "measured": real._asdict(),
+        "fabric": name, "friction": friction, "lowering": lowering, "B": B,
+        "measured": real._asdict(),
         "coefficients": percent, "folds": folds,
         "coefficient": float(np.mean(percent)), "mean_folds": float(np.mean(folds)),
         "scatter": float(np.std(percent, ddof=1)) if starts > 1 else None,
@@ -119,10 +121,15 @@ def arguments(given=None):
     parser.add_argument("--fabrics", nargs="+", choices=REAL, default=list(REAL))
     parser.add_argument("--cells", type=console.positive(int), default=96, help="around the ring")
     parser.add_argument("--starts", type=console.positive(int), default=5)
+    parser.add_argument(
+        "--lowering", type=float, default=LOWERING, help="s, of the table; 0: the cloth is dropped"
+    )
     parser.add_argument("--out", default="out/cusick")
     options = console.parse(parser, given)
     if options.cells < 24:
         parser.error("--cells: 24 at least, or folds have no cells")
+    if not 0 <= options.lowering < np.inf:
+        parser.error(f"--lowering: a time in s, 0 or more, not {options.lowering}")
     return options
 
 
@@ -134,7 +141,7 @@ def main(given=None):
     for name in options.fabrics:
         for friction in (False, True):
             with report.stage("solve"):
-                rows.append(study(name, friction, options.starts, options.cells))
+                rows.append(study(name, friction, options.starts, options.cells, options.lowering))
             console.say([line(rows[-1])])
             # what has been computed stays when the rest is not
             report.write({"rows": rows, "estimated": ["tension", "shear", "friction"]})

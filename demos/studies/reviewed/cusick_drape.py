@@ -25,11 +25,11 @@ from scipy.interpolate import CubicSpline
 
 import meshes
 from shellform import Newmark, Shell, console
+from shellform.bench.drape import DISC, HARMONICS, SPECIMEN, coefficient_of, drape
+from shellform.bench.hang import G
 from shellform.material.sheet import Sheet
 
-G = 9.81  # m/s^2
-DISC, SPECIMEN = 0.09, 0.15  # radii [m]
-ANGLES, HARMONICS = 360, 12
+ANGLES = 360
 CELLS = (48, 5)  # around, across: folds of a ninth of the rim have 5 cells each
 QUICK = (24, 3)
 LEAST = 0.5e-3  # m, by which a fold stands out of the outline
@@ -62,18 +62,14 @@ class Hanging:
     steps: int
     dt: float
 
-    @property
-    def orthotropy(self) -> float:
-        """Part of the outline that goes with cos(2 angle), over the width of the ring.
 
-        Positive where the shadow is longer along the warp than along the weft.
-        """
-        return float(2 * self.radii @ np.cos(2 * angles()) / ANGLES / (SPECIMEN - DISC))
+def orthotropy(radii: np.ndarray) -> float:
+    """Part of an outline (n,) at equal angles that goes with cos(2 angle), over the ring's width.
 
-
-def angles() -> np.ndarray:
-    """Angles (ANGLES,) [rad] of an outline."""
-    return np.arange(ANGLES) * 2 * np.pi / ANGLES
+    Positive where the shadow is longer along the warp than along the weft.
+    """
+    angle = (np.arange(len(radii)) + 0.5) * 2 * np.pi / len(radii)
+    return float(2 * np.mean(radii * np.cos(2 * angle)) / (SPECIMEN - DISC))
 
 
 def ring(cells: tuple[int, int] = CELLS, degree: int = 1) -> meshes.Surface:
@@ -150,7 +146,7 @@ def outline(rim: np.ndarray) -> np.ndarray:
 
 def coefficient(radii: np.ndarray) -> float:
     """Drape coefficient of an outline."""
-    return float((np.mean(radii**2) - DISC**2) / (SPECIMEN**2 - DISC**2))
+    return coefficient_of(radii, np.array([SPECIMEN]))
 
 
 def folds(radii: np.ndarray) -> int:
@@ -165,14 +161,18 @@ def folds(radii: np.ndarray) -> int:
     return len(find_peaks(np.append(smooth, smooth[0]), prominence=LEAST)[0])
 
 
-def mean_and_scatter(drapes: Sequence[Hanging]) -> dict[str, float]:
-    """Mean of several starts and what they scatter, for a table; DC in percent."""
-    of = 100 * np.array([one.coefficient for one in drapes])
-    way = 100 * np.array([one.orthotropy for one in drapes])
+def drapes(fabric: Sheet, asked: argparse.Namespace) -> dict[str, float]:
+    """Mean and scatter over the starts that a command line asks for; DC in percent.
+
+    The cloth is let down slowly, as by the bench: dropped, it hangs in another state each time.
+    """
+    found = [drape(fabric, start, asked.cells) for start in range(asked.starts)]
+    of = 100 * np.array([one.coefficient for one in found])
+    way = 100 * np.array([orthotropy(one.shadow) for one in found])
     return {
         "DC %": float(of.mean()),
         "SD": float(of.std(ddof=1)) if len(of) > 1 else 0.0,
-        "folds": float(np.mean([one.folds for one in drapes])),
+        "folds": float(np.mean([one.folds for one in found])),
         "orthotropy %": float(way.mean()),
         "its SD": float(way.std(ddof=1)) if len(way) > 1 else 0.0,
     }
@@ -193,8 +193,3 @@ def options(given: Sequence[str] | None, description: str) -> argparse.Namespace
     found.cells = tuple(found.cells)
     Path(found.out).mkdir(parents=True, exist_ok=True)
     return found
-
-
-def drapes(fabric: Sheet, asked: argparse.Namespace) -> dict[str, float]:
-    """Mean and scatter over the starts that a command line asks for."""
-    return mean_and_scatter([hang(fabric, k + 1, asked.cells) for k in range(asked.starts)])

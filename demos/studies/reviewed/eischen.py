@@ -134,6 +134,9 @@ def contact_rows(quick: bool) -> list[dict]:
     cases = [(f"penalty {k:.0e} Pa/m", k) for k in ((1e4,) if quick else (1e3, 1e4, 1e5, 1e6))]
     for name, k in cases:
         rows.append(_laid(name, penalty_contact.by_penalty(fabric, HEIGHT, k), exact))
+    for k, turns in ((1e3, 5),) if quick else ((1e3, 3), (1e3, 10), (1e4, 3), (1e4, 10)):
+        laid = penalty_contact.by_penalty(fabric, HEIGHT, k, augmented=turns)
+        rows.append(_laid(f"augmented {k:.0e} Pa/m, {turns} turns", laid, exact))
     if not quick:
         rows.append(_laid("no node inside", penalty_contact.kept_out(fabric, HEIGHT), exact))
     return rows

@@ -13,6 +13,10 @@ q s*/3). On the table the moment is nothing.
 By penalty a node below the table is pushed up by k times its depth and its area, which stands in
 residual and tangent. The table then gives way by q/k under the flat part, and R is
 spread over a length of about (4 B/k)^(1/4).
+
+By an augmented Lagrangian (Simo and Laursen, Comput. Struct. 42, 97, 1992) the pressure is max(0, l
++ k d), d the depth, negative above the table. At rest l is set to it, and the strip solved for
+again: d falls with each turn, at any k.
 """
 
 from dataclasses import dataclass
@@ -100,18 +104,26 @@ class OnTable(Equilibrium):
         area = lumped(shell.surface, shell.fabric, 1.0)[0] / shell.fabric.areal_mass
         self.springs = stiffness * area[shell.partition.owned_nodes]
         self.height, self.place = height, np.zeros((len(self.springs), 6))
-        self.place[:, 2] = -height
+        self.multiplier = np.zeros(len(self.springs))  # l/k [m]
         super().__init__(shell)
 
     def depths(self) -> np.ndarray:
-        """Depths of the nodes below the table [m], 0 above it."""
-        z = self.shell.w.x.array.reshape(-1, 6)[: self.n_owned, 2]
-        return np.maximum(-self.height - z, 0.0)
+        """Depths of the nodes below the table [m], negative above it."""
+        return -self.height - self.shell.w.x.array.reshape(-1, 6)[: self.n_owned, 2]
+
+    def table_forces(self) -> np.ndarray:
+        """Forces of the table on the nodes [N]."""
+        return self.springs * np.maximum(0.0, self.multiplier + self.depths())
+
+    def augment(self) -> None:
+        """Set the multipliers to the pressures of this state."""
+        self.multiplier = np.maximum(0.0, self.multiplier + self.depths())
 
     def _touch(self):
         # springs to fixed places have the form of an implicit step's inertia
         factor = np.zeros_like(self.place)
-        factor[:, 2] = self.springs * (self.depths() > 0.0)
+        self.place[:, 2] = self.multiplier - self.height
+        factor[:, 2] = self.springs * (self.multiplier + self.depths() > 0.0)
         self.inertia = (factor, self.place)
 
     def forces(self, stress_from: Linearised | None = None) -> np.ndarray:
@@ -126,10 +138,14 @@ class OnTable(Equilibrium):
         return super().tangent(x)
 
 
-def by_penalty(fabric: Sheet, height: float, stiffness: float, cells: int = 100) -> Laid:
+def by_penalty(
+    fabric: Sheet, height: float, stiffness: float, cells: int = 100, augmented: int = 0
+) -> Laid:
     """Lay the strip down in load steps, shorter ones where Newton's method fails.
 
-    ArithmeticError where no step is short enough.
+    augmented : turns of the augmented Lagrangian after them; 0: a penalty alone
+
+    ArithmeticError where no step is short enough, and where a turn is not solved.
     """
     shell = strip(fabric, cells)
     eq = OnTable(shell, height, stiffness)
@@ -147,9 +163,15 @@ def by_penalty(fabric: Sheet, height: float, stiffness: float, cells: int = 100)
                     raise ArithmeticError(f"stuck at {level:.4f} of the weight: {newton.reason}")
             else:
                 level, part = goal, 1.5 * part
+        for _ in range(augmented):
+            eq.augment()
+            if newton.solve(1.0) is None:
+                raise ArithmeticError(f"stuck at an augmented turn: {newton.reason}")
+            solves += newton.snes.getIterationNumber()
         held, depth = eq.reactions()[:, 2].sum() / WIDTH, eq.depths()
-        pushed = eq.springs @ depth / WIDTH
-        touch = shell.positions()[shell.partition.owned_nodes][depth > 0, 0].min()
+        pushes = eq.table_forces()
+        pushed = pushes.sum() / WIDTH
+        touch = shell.positions()[shell.partition.owned_nodes][pushes > 0, 0].min()
     finally:
         newton.destroy()
         eq.destroy()

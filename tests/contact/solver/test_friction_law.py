@@ -150,3 +150,25 @@ def test_implicit_steps_load_slipping_nodes_with_the_same_law():
     nodes.load[:] = 0.0
     judge(np.zeros((1, 3)), x1, reaction, pull, segments, work, nodes)
     assert nodes.state[0] == STICK
+
+
+@kernel
+def _with_arrays(speed, parameters):
+    both = np.zeros(2)
+    both[0] = parameters[1]
+    return both[0]
+
+
+@kernel
+def _no_number(speed, parameters):
+    return parameters.kinetic
+
+
+@pytest.mark.parametrize("coefficient", [_with_arrays, _no_number])
+def test_a_kernel_that_does_not_compile_is_named(coefficient):
+    @dataclass(frozen=True)
+    class Odd(Friction):
+        kinetic_coefficient = staticmethod(coefficient)
+
+    with pytest.raises(ValueError, match=r"Odd\.kinetic_coefficient.* does not compile.*no arrays"):
+        as_friction(Odd(0.3))

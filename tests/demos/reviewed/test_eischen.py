@@ -50,3 +50,16 @@ def test_contact_by_penalty():
     weight = q * penalty_contact.LENGTH
     assert [one.clamp + one.table for one in laid] == pytest.approx([weight] * 2, rel=1e-6)
     assert np.all([one.depth > 0.9 * q / k for one, k in zip(laid, (1e3, 2e4), strict=True)])
+
+
+def test_an_augmented_lagrangian():
+    """At the same stiffness the strip lies a tenth as deep and the clamp bears what it should."""
+    fabric = measured_fabric(SUITING)
+    B, q = fabric.bending[0, 0], fabric.areal_mass * penalty_contact.G
+    exact = penalty_contact.exact(B, q, eischen.HEIGHT)
+    once, more = (
+        penalty_contact.by_penalty(fabric, eischen.HEIGHT, 1e3, 50, augmented=n) for n in (0, 6)
+    )
+    assert more.depth < 0.1 * once.depth
+    assert abs(more.clamp / exact["clamp"] - 1) < 0.5 * abs(once.clamp / exact["clamp"] - 1)
+    assert more.clamp + more.table == pytest.approx(q * penalty_contact.LENGTH, rel=1e-6)

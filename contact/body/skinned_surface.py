@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A closed surface of triangles as skin of several segments, flesh pressed behind bent joints.
+
+Where the skin spans between parts that turn apart, as between the legs, it is drawn smooth: each
+place there is a mean of others, by a matrix whose rows add up to 1 and which stays the same. So
+that is linear too, and its adjoint the transpose.
+
+A `surface_motion.SurfaceMotion`: what contact asks of it is where vertices are, and the adjoint.
+Weights, place and pose at binding stay; a pose is looked up once for each time.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .dual_quaternions import set_motion, set_rate
+from .segments import Pose
+from .skinning import (
+    BENDS,
+    SKIN,
+    add_skin,
+    mean_of,
+    place_skin,
+    plane_rates,
+    set_planes,
+    skin_rates,
+    spread_to,
+)
+
+LEAST = 2e-3  # weights below are left out
+NEAR = 0.5  # of its distance from the plane at binding, within which a vertex is pressed
+
+
+class Bend(NamedTuple):
+    """A joint whose flesh meets when it bends.
+
+    above, below : its segments
+    centre : (3,) at binding [m]
+    far_above, far_below : (3,), points that the lines of both segments go to from there [m]
+    margin : from the halving plane, within which flesh is pressed at most [m]
+    parts : (n,) float 0 to 1, of the press that the vertices feel; None: all of it
+    """
+
+    above: str
+    below: str
+    centre: np.ndarray
+    far_above: np.ndarray
+    far_below: np.ndarray
+    margin: float = 0.015
+    parts: np.ndarray | None = None
+
+
+class SkinnedSurface:
+    """A closed surface bound to segments.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float, in the world at binding [m]
+    triangles : (nt, 3) int, counterclockwise seen from outside
+    weights : (n, m) float, of the segments, rows of sum 1
+    names : m segments
+    pose : function (t, out Pose) that fills the pose of the m segments at time t [s]
+    bound : Pose of the segments at binding
+    bends : joints where flesh meets flesh
+    smoothing : rows of the matrix (n, n) as starts (n + 1,), columns and parts, or None
+
+    Raises
+    ------
+    ValueError for weights of another shape, or whose rows are not of sum 1
+    """
+
+    moves = True
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        weights: ArrayLike,
+        names: Sequence[str],
+        pose: Callable[[float, Pose], Pose],
+        bound: Pose,
+        bends: Sequence[Bend] = (),
+        smoothing: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
+    ):
+        points, table = np.array(vertices, float), np.array(weights, float)
+        self.triangles, self.names = np.array(triangles, np.int64), tuple(names)
+        n, m = len(points), len(self.names)
+        if table.shape != (n, m) or not np.allclose(table.sum(axis=1), 1.0, atol=1e-6):
+            raise ValueError(
+                f"a skin of {n} vertices on {m} segments takes weights ({n}, {m}) whose rows add "
+                f"up to 1, not {table.shape}"
+            )
+        table[table < LEAST] = 0.0
+        table /= table.sum(axis=1, keepdims=True)
+        width = int((table > 0).sum(axis=1).max())
+        order = np.argsort(-table, axis=1, kind="stable")[:, :width]
+        self.which = np.ascontiguousarray(order, np.int64)
+        self.weights = np.ascontiguousarray(np.take_along_axis(table, order, axis=1))
+        self.owners = np.argmax(table[self.triangles].sum(axis=1), axis=1)
+        self.bound = Pose(*(np.array(part) for part in bound))
+        self.skin = np.zeros(n, SKIN)
+        self.skin["point"], self.skin["bend"] = points, -1
+        self.bends = np.zeros(len(bends), BENDS)
+        nearest = np.full(n, np.inf)
+        for k, bend in enumerate(bends):
+            self._add_bend(k, bend, points, table, nearest)
+        self._smoothing = None
+        if smoothing is not None:
+            starts, columns, parts = smoothing
+            self._smoothing = (
+                np.array(starts, np.int64), np.array(columns, np.int64), np.array(parts, float)
+            )  # fmt: skip
+            self._rough, self._spread = np.zeros((n, 3)), np.zeros((n, 6))
+        self._pose_of, self._time = pose, np.nan
+        self._pose = Pose(*(np.zeros_like(part) for part in self.bound))
+        self._motions, self._rates = np.zeros((m, 8)), np.zeros((m, 8))
+        self._planes = np.zeros((max(len(bends), 1), 7, 3))
+        self._of_planes = np.zeros((len(self._planes), 2, 3))
+
+    def _add_bend(self, k, bend, points, table, nearest):
+        """Record a bend, and the vertices of its two segments that it presses."""
+        a, b = self.names.index(bend.above), self.names.index(bend.below)
+        centres, axes = self.bound.centres, self.bound.axes
+        along = [far - bend.centre for far in (bend.far_above, bend.far_below)]
+        along = [line / np.linalg.norm(line) for line in along]
+        self.bends[k] = (
+            a, b, axes[a] @ (bend.centre - centres[a]), axes[b] @ (bend.centre - centres[b]),
+            axes[a] @ along[0], axes[b] @ along[1],
+        )  # fmt: skip
+        normal = along[0] - along[1]
+        normal /= np.linalg.norm(normal)
+        from_plane = (points - bend.centre) @ normal
+        # those of the two alone: what other segments carry as well is far from this bend
+        whole = table[:, a] + table[:, b] > 1 - LEAST
+        main = np.where(from_plane > 0, table[:, a] > table[:, b], table[:, b] > table[:, a])
+        far = np.linalg.norm(points - bend.centre, axis=1)
+        near = whole & (main | (table[:, [a, b]].min(axis=1) > 0)) & (far < nearest)
+        nearest[near] = far[near]
+        self.skin["bend"][near] = k
+        self.skin["side"][near] = np.sign(from_plane[near])
+        self.skin["margin"][near] = np.minimum(NEAR * np.abs(from_plane[near]), bend.margin)
+        self.skin["part"][near] = 1.0 if bend.parts is None else bend.parts[near]
+
+    @property
+    def vertex_count(self) -> int:
+        return len(self.skin)
+
+    def _set(self, t):
+        """Motions and planes at time t [s]."""
+        if t == self._time:
+            return
+        pose, bound = self._pose_of(t, self._pose), self.bound
+        for j in range(len(self.names)):
+            set_motion(
+                self._motions[j], pose.centres[j], pose.axes[j], bound.centres[j], bound.axes[j]
+            )
+        set_planes(self.bends, pose.centres, pose.axes, self._planes)
+        self._time = t
+
+    def positions(self, t: float, out: np.ndarray) -> np.ndarray:
+        """See `surface_motion.SurfaceMotion`."""
+        self._set(t)
+        rough = out if self._smoothing is None else self._rough
+        place_skin(self.skin, self.which, self.weights, self._motions, self._planes, rough)
+        return self._smoothed(rough, out)
+
+    def _smoothed(self, rough, out):
+        if self._smoothing is not None:
+            mean_of(*self._smoothing, rough, out)
+        return out
+
+    def centres(self, t: float, out: np.ndarray) -> np.ndarray:
+        """See `surface_motion.SurfaceMotion`."""
+        self._set(t)
+        out[:] = self._pose.centres
+        return out
+
+    def velocities(self, t: float, out: np.ndarray) -> np.ndarray:
+        """Fill the velocities out (n, 3) [m/s] of the vertices at time t [s]; returns it."""
+        self._set(t)
+        pose = self._pose
+        for j in range(len(self.names)):
+            set_rate(
+                self._rates[j], self._motions[j], pose.centres[j], pose.velocities[j], pose.spins[j]
+            )
+        plane_rates(self.bends, self._planes, pose.velocities, pose.spins, self._of_planes)
+        rough = out if self._smoothing is None else self._rough
+        skin_rates(
+            self.skin, self.which, self.weights, self._motions, self._rates, self._planes,
+            self._of_planes, rough,
+        )  # fmt: skip
+        return self._smoothed(rough, out)
+
+    def add_to_segments(self, t: float, at_vertices: np.ndarray, book: np.ndarray) -> None:
+        """See `surface_motion.SurfaceMotion`."""
+        self._set(t)
+        if self._smoothing is not None:
+            spread_to(*self._smoothing, at_vertices, self._spread)
+            at_vertices = self._spread
+        add_skin(
+            self.skin, self.which, self.weights, self._motions, self.bends, self._planes,
+            self._pose.centres, at_vertices, book,
+        )  # fmt: skip

