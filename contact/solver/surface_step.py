@@ -32,7 +32,7 @@ from .surface_node import gap_at, surface_node_kernel
 
 ALL = -1  # every bit
 ROUNDOFF = 1e-12  # m, of a distance
-SHEET = 5e-3  # m: how far around a node near the surface it is looked for other sheets, at least
+SHEET = 0.015  # m: how far around a node near the surface it is looked for other sheets, at least
 FACING = 0.5  # cosine of the angle between normals of one sheet, at least
 KEPT = 8.0  # steps: a distance that lasts so long is worth that the sheet is forgotten
 
@@ -133,6 +133,8 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
                     other = limit <= work.offset + reach + work.recovery
                     if other:
                         second = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
+                        # from outside, the far side of a thin part is behind it, not beside
+                        other = found[3] <= 0.0 or second[3] > 0.0
                 if found[7]:
                     look[3, i] = limit
             last[i] = found[0]

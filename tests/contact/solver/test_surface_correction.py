@@ -446,3 +446,19 @@ def test_sharp_edges_that_are_met_as_smooth_ones_are_told():
         warnings.simplefilter("error")
         SurfaceCorrection(box([0.1] * 3), 1, smooth=False)(x, v, np.ones(1), 1e-3, 0.0)
         SurfaceCorrection(ball(0.1, 2), 1)(x, v, np.ones(1), 1e-3, 0.0)
+
+
+@pytest.mark.parametrize("speed", [1.0, 30.0])
+def test_a_thin_plate_stops_a_node_on_the_side_it_comes_from(speed):
+    """The far side, 1 mm behind and within reach, has no say; both sides are tried."""
+    dt, offset = 1e-4, 3e-4
+    plate = box([0.1, 0.1, 5e-4])
+    correction = SurfaceCorrection(plate, 2, offset=offset, smooth=False, recovery=20.0)
+    x = np.array([[0.013, 0.021, 9e-4], [0.013, 0.021, -9e-4]])
+    v = np.array([[0.0, 0.0, -speed], [0.0, 0.0, speed]])
+    for step in range(30):
+        correction(x, v, np.ones(2), dt, step * dt)
+        x += dt * v
+    assert np.abs(x[:, 2]) == pytest.approx(5e-4 + offset, abs=1e-9)
+    assert np.array_equal(np.sign(x[:, 2]), [1.0, -1.0])
+    assert np.abs(x[:, :2] - [0.013, 0.021]).max() < 1e-12 and not correction.pinched
