@@ -20,7 +20,7 @@ import basix
 import ufl
 from ufl.core.expr import Expr as Expr
 
-from .killed_compile import compiles
+from .killed_compile import comm_of
 from .plain_arguments import plain_arguments
 from .quiet_compiler import quiet_compiler
 
@@ -62,7 +62,7 @@ def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
     jit_options: dict[str, Any] = {_OPTIONS: JIT | options}
     for form in (form for group in groups for form in group):
         form.signature()
-    with quiet_compiler(_forms_folder(), compiles(groups), sum(map(len, groups))):
+    with quiet_compiler(_forms_folder(), comm_of(groups), sum(map(len, groups))):
         return [tuple(fem.form(form, **jit_options) for form in group) for group in groups]
 
 
@@ -111,14 +111,14 @@ def surface_mesh(
         if "ghost_mode" not in _TO_MAKE:  # where there is one, neighbours are dropped again
             data, offsets = data[offsets[:-1]], np.arange(len(offsets), dtype=np.int32)
         given["partitioner"] = lambda *_: cpp.graph.AdjacencyList_int32(data, offsets)
-    with quiet_compiler(_forms_folder(), first):
+    with quiet_compiler(_forms_folder(), comm):
         return dolfinx.mesh.create_mesh(comm, **given)
 
 
 def vector_space(mesh: Mesh, family: str, degree: int, width: int) -> FunctionSpace:
     """Space of fields with `width` components: 'Lagrange', or 'DG', one polynomial a cell."""
     element = _element(family, cell_name(mesh), degree, width)
-    with quiet_compiler(_forms_folder(), mesh.comm.rank == 0):
+    with quiet_compiler(_forms_folder(), mesh.comm):
         return getattr(fem, "functionspace", FunctionSpace)(mesh, element)
 
 

@@ -17,6 +17,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 OLD = 600.0  # s, after which nobody compiles any more: the time-out of those who wait
 CLOCKS = 2.0  # s, by which the clocks of processor and files may differ
@@ -27,7 +28,8 @@ LOCK = "shellform.lock"
 def alone(folder: Path) -> Iterator[None]:
     """Be the one process that compiles into a folder; what dead ones left unfinished is removed.
 
-    One rank calls, the one that compiles. Where files cannot be locked or written, nothing is done.
+    One rank calls, the one that compiles, once none of those that it meets meanwhile has anything
+    to compile before that. Where files cannot be locked or written, nothing is done.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -49,10 +51,10 @@ def alone(folder: Path) -> Iterator[None]:
         os.close(file)
 
 
-def compiles(groups: Sequence[tuple]) -> bool:
-    """Whether this rank compiles tuples of UFL forms, for the others of their mesh."""
+def comm_of(groups: Sequence[tuple]) -> Any:
+    """Ranks of the mesh of tuples of UFL forms, whose first one compiles; None without forms."""
     forms = [form for group in groups for form in group]
-    return bool(forms) and forms[0].ufl_domain().ufl_cargo().comm.rank == 0
+    return forms[0].ufl_domain().ufl_cargo().comm if forms else None
 
 
 def remove_unfinished(folder: Path, since: float | None, old: float = OLD) -> list[str]:

@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
+from mpi4py import MPI
+
 from .c_compiler import failures_as_sentences
 from .killed_compile import alone
 
@@ -18,12 +20,13 @@ LOG = logging.getLogger("shellform")
 
 
 @contextmanager
-def quiet_compiler(folder: Path, compiles: bool, forms: int = 0) -> Iterator[None]:
+def quiet_compiler(folder: Path, comm: MPI.Comm | None, forms: int = 0) -> Iterator[None]:
     """Keep a compiler's words from the terminal, and say how long forms took, if any was new.
 
     Parameters
     ----------
-    folder : where compiled forms are kept; compiles : whether this rank compiles, for the others
+    folder : where compiled forms are kept
+    comm : of the ranks for which the first one compiles; all call. None: nothing is compiled
     forms : number of those asked for, 0 to say nothing
 
     Raises
@@ -35,6 +38,11 @@ def quiet_compiler(folder: Path, compiles: bool, forms: int = 0) -> Iterator[Non
     cached, start = _changed(folder), time.perf_counter()
     logging.disable(logging.INFO)
     try:
+        if comm is not None and comm.size > 1:
+            # who compiles waits for the others, and these may still be about to compile something
+            # by themselves
+            comm.Barrier()
+        compiles = comm is not None and comm.rank == 0
         with failures_as_sentences(folder), alone(folder) if compiles else nullcontext():
             yield
     finally:

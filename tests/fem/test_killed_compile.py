@@ -80,3 +80,24 @@ def test_a_killed_compile_is_done_anew_on_two_ranks(tmp_path, monkeypatch):
     done = launch(2, "-c", PROGRAM, timeout=LONG)
     assert done.returncode == 0, done.stderr[-2000:]
     assert not unfinished(tmp_path)
+
+
+@needs_mpirun
+@pytest.mark.serial
+def test_a_rank_that_is_late_is_waited_for(tmp_path):
+    """Its own sheet comes first: who held the lock, waiting for it, would wait for ever."""
+    program = (
+        "import time, meshes\n"
+        "from mpi4py import MPI\n"
+        "from shellform import Fabric, Shell\n"
+        "sheet = meshes.rectangle(1.0, 1.0, (2, 2), triangles=True)\n"
+        "fabric = Fabric.isotropic(1e6, 0.3, 0.01, 1000.0)\n"
+        "world = MPI.COMM_WORLD\n"
+        "Shell(sheet, fabric, world)\n"  # compiled from here on
+        "if world.rank == 1:\n"
+        "    time.sleep(1.0)\n"
+        "    Shell(sheet, fabric, MPI.COMM_SELF)\n"
+        "Shell(sheet, fabric, world)\n"
+    )
+    done = launch(2, "-c", program, timeout=LONG)
+    assert done.returncode == 0, done.stderr[-2000:]
