@@ -5,14 +5,20 @@ Joints, segments and what stands on them stay those of the wearer; contact is wi
 of it is imported for a body of ellipsoids.
 """
 
-from contact.body.surface_motion import SurfaceMotion
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from shellform.motion.proportions import STATURE
 from shellform.motion.wearer import Wearer
 
 from .scene import Scene
 
+if TYPE_CHECKING:
+    from contact.body.skinned_surface import SkinnedSurface
 
-def skin_of_scene(scene: Scene, wearer: Wearer) -> SurfaceMotion | None:
+
+def skin_of_scene(scene: Scene, wearer: Wearer) -> SkinnedSurface | None:
     """Closed surface of triangles around the wearer, or None for a body of ellipsoids.
 
     A scan keeps the girths that the scene does not give; a body of the installed files takes those

@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
@@ -13,6 +14,7 @@ from shellform.dressing.belt import Belt
 from shellform.dressing.dress import dress
 from shellform.dressing.procedure import Dressing
 from shellform.dressing.saved_state import put_on
+from shellform.dressing.settings import borrowed
 from shellform.dressing.settle import AT_LEAST, settle_again, settle_on
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
@@ -23,6 +25,11 @@ from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene
 from shellform.scene.skin import skin_of_scene
 from shellform.scene.wearer import dressed_wearer, wearer_of
+
+if TYPE_CHECKING:
+    from contact.body.skinned_surface import SkinnedSurface
+
+GROWN = 0.4  # s, in which a skin grows under cloth
 
 
 class Model:
@@ -109,9 +116,23 @@ class Model:
         bare = self._meet(self.stepper)
         belt, first = dress(self.stepper, self.scene.belt, watch=watch)
         self.stepper.remove(bare)
+        self._grow_skin(self.skin)
         self.contact = self._meet(self.stepper, self.skin)
         report = settle_on(self.stepper, belt, Dressing())
         return belt, report | {"seconds": first["seconds"] + AT_LEAST + report["seconds"]}
+
+    def _grow_skin(self, skin: "SkinnedSurface") -> None:
+        """Move cloth that lies as on ellipsoids out of the skin."""
+        # only here: bodies of ellipsoids have no skin
+        from shellform.dressing.growing import Growing
+
+        stepper, begin = self.stepper, self.wearer.start - GROWN
+        growing = self._meet(stepper, Growing(skin, self.wearer, begin, GROWN))
+        with borrowed(stepper):
+            stepper.time, stepper.drag = begin, Dressing().drag
+            growing.friction = Dressing().slip
+            stepper.advance(self.wearer.start)
+        stepper.remove(growing)
 
     def _dress_springs(self, watch: Callable | None) -> tuple[Belt, dict]:
         """Masses and springs are put on first; the shell bends where they do not: it settles."""
