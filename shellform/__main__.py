@@ -184,10 +184,12 @@ def main(given: Sequence[str] | None = None) -> None:
         _fabric(options)
     elif options.do == "compare":
         from shellform.results.comparison import comparison_lines
+        from shellform.results.verdict import verdict_sentence
         from shellform.simulation.ensemble import compare_runs
 
         found = compare_runs(options.one, options.other)
-        console.say(comparison_lines(found, str(options.one), str(options.other)))
+        names = str(options.one), str(options.other)
+        console.say([*comparison_lines(found, *names), verdict_sentence(found, *names)])
     elif options.do == "export":
         _export(options)
     elif options.do == "report":

@@ -165,7 +165,9 @@ def test_equal_ensembles_do_not_differ(ensemble, capsys):
     for numbers in compare_runs(out, out).values():
         assert not any(entry["differ"] for entry in numbers.values())
     main(["compare", str(out), str(out)])
-    assert "3 pairs of runs" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "3 pairs of runs" in said
+    assert said.splitlines()[-1].startswith(f"{out} and {out} do not differ: in 3 pairs of runs")
     with pytest.raises(ValueError, match="run_7 holds no complete run"):
         compare_runs(out, out / "run_7")
 
