@@ -10,6 +10,9 @@ MPIRUN := $(VENV)/bin/mpirun
 # One thread a rank: BLAS threads only get in each other's way here.
 export OMP_NUM_THREADS := 1
 
+# Tests need most forms once: half the time to compile them without optimisation.
+test test-slice test-thorough: export SHELLFORM_FORM_CFLAGS := -O0 -g0
+
 # mpirun gives its ranks a terminal even where there is none.
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 

@@ -5,12 +5,15 @@ The package works on arrays (positions, velocities, masses) and knows no finite 
 one and the same contact serves the shell and the particle model, and any other program.
 
     geometry/   shapes of segments: `shape` is the seam, `ellipsoid` and `capsule` are shapes;
-                patches on the skin
-    body/       bodies: named segments, their motion, sets of them
+                patches on the skin; triangle_mesh/: closed surfaces of triangles
+    body/       bodies: named segments, their motion, sets of them; surfaces that move with them,
+                rigid or skinned (surface_motion); flesh under the skin (flesh_bed)
     solver/     what a body does to nodes
         explicit steps   velocity_correction: the hook between steps
                          broad_phase -> supporting_planes -> nearest_step -> plane_friction
                          -> contact_ledger, node by node (node_contact); soft_contact in creases
+                         surface_correction, flesh_correction: the same for surfaces of triangles
+                         and for flesh; node_correction is what they share
         implicit steps   active_set, held_nodes
         of both          friction: the laws; segment_motion and step_record: what kernels share
     self_contact/  what a sheet of triangles does to itself: features -> trust_region, broad_phase

@@ -7,7 +7,6 @@ its surroundings carry the node (geometry/triangle_mesh/carried.py), and from th
 segments by the adjoint of the skinning: momentum, moments and virtual power are exact.
 """
 
-import math
 import warnings
 from typing import Any
 
@@ -22,13 +21,14 @@ from contact.geometry.triangle_mesh.placed import greatest_move, new_placed, ref
 from contact.geometry.triangle_mesh.smooth import most_raised
 from contact.geometry.triangle_mesh.topology import mesh_of
 
-from .contact_ledger import BOOKED, Ledger
-from .friction import Friction, as_friction
-from .step_record import ALLOWED, LOOK, PENETRATED, SEGMENT_TOUCHED, SETS, set_friction, step_record
+from .contact_ledger import BOOKED
+from .friction import Friction
+from .node_correction import NodeCorrection
+from .step_record import LOOK
 from .supporting_planes import PLANE
 from .surface_node import PLANES
 from .surface_step import surface_kernel
-from .velocity_correction import EVERY, LOOKS
+from .velocity_correction import LOOKS
 
 JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
 SHARP = 0.5  # cosine between normals of one triangle
@@ -37,7 +37,7 @@ GROWN = 1e-3  # m, that boxes are grown before they are fitted anew
 RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
 
 
-class SurfaceCorrection:
+class SurfaceCorrection(NodeCorrection):
     """Contact and friction with a closed surface of triangles, applied between steps.
 
     Parameters
@@ -53,8 +53,7 @@ class SurfaceCorrection:
 
     Attributes
     ----------
-    last, window : Ledger of the last step, and of all since `reset`
-    fixed, allowed : (n,), as given; may be changed in place between steps
+    last, window, fixed, allowed, active, ... : see NodeCorrection
     segment : (n,) int, owner of the triangle that pushed most in the last step; -1 without contact
     at_vertices : (nv, SHARED), what acted on the cloth at the vertices in the last step
 
@@ -76,10 +75,6 @@ class SurfaceCorrection:
         allowed: ArrayLike | None = None,
         smooth: bool = True,
     ):
-        if not (np.isfinite(offset) and offset >= 0):
-            raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
-        if not recovery > 0:
-            raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
         self.surface, self.body = surface, body
         names = surface.names if body is None else body.names
         for name in surface.names:
@@ -89,38 +84,21 @@ class SurfaceCorrection:
                     f"{', '.join(names)}"
                 )
         self._rows = np.array([names.index(name) for name in surface.names])
-        self._sets, self._look = np.zeros((SETS, nodes), np.int64), np.zeros((LOOK, nodes))
-        self._look[3], self._away = -1.0, np.zeros(nodes)
+        super().__init__(nodes, len(names), friction, offset, fixed, recovery, allowed)
         self._near = np.full(nodes, -1, np.int64)  # triangle last found
-        self.fixed, self.allowed = np.zeros(nodes, bool), self._sets[ALLOWED]
-        self.segment, self.penetrated = self._sets[SEGMENT_TOUCHED], self._sets[PENETRATED]
-        self.segment[:] = -1
-        for name, array, given in (
-            ("fixed", self.fixed, False if fixed is None else fixed),
-            ("allowed", self.allowed, EVERY if allowed is None else allowed),
-        ):
-            if np.shape(given) not in ((), (nodes,)):
-                raise ValueError(f"{name} has shape {np.shape(given)}, not ({nodes},)")
-            array[:] = given
-        self._friction = as_friction(friction)
-        self._correct = surface_kernel(self._friction.kinetic_coefficient)
-        self._step = step_record(self._friction, float(offset))
-        self._step["recovery_speed"] = recovery
-        self._work = self._step[0]
         self._planes, self._over = np.zeros(PLANES, PLANE), np.zeros(PLANES, np.int64)
         self._stack, self._bounds = np.zeros(STACK, np.int64), np.zeros(STACK)
         self._smooth, self._highest = bool(smooth), 0.0
-        m = len(names)
         self.at_vertices = np.zeros((surface.vertex_count, SHARED))
-        self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
         self._book = np.zeros((len(surface.names), BOOKED))
         self._owners = np.ascontiguousarray(self._rows[surface.owners], np.int64)
         self._bits = bits_of(names if body is None else body.carriers)
         self._mesh: Any = None
         self._start: Any = None
         self._end: Any = None
-        self._start_time: float | None = None
-        self._end_time: float | None = None
+
+    def _kernel_of(self, friction: Friction) -> Any:
+        return surface_kernel(friction.kinetic_coefficient)
 
     def __call__(
         self,
@@ -161,26 +139,6 @@ class SurfaceCorrection:
             window.table += last.table
         last.seconds = dt
         window.seconds += dt
-
-    def _check(self, x, v, mass, old, dt, t):
-        nodes, shape = self.segment.shape, self.last.impulse.shape
-        for name, array, wanted in (
-            ("x", x, shape), ("v", v, shape), ("mass", mass, nodes), ("v_old", old, shape),
-        ):  # fmt: skip
-            if array.shape != wanted:
-                raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
-        if not (0 < dt < math.inf and math.isfinite(t)):
-            raise ValueError(
-                f"contact needs a time step above 0 s at a finite time, not {dt} s at {t}"
-            )
-
-    def _refuse(self, i, x, v, mass, t):
-        if not 0 < mass[i] < np.inf:
-            raise ValueError(f"node {i} has a mass of {mass[i]} kg; contact needs one above 0")
-        raise FloatingPointError(
-            f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
-            "the step has exploded; take a smaller one"
-        )
 
     def _place(self, t, placed):
         self.surface.positions(t, placed.vertices)
@@ -254,17 +212,6 @@ class SurfaceCorrection:
         self._start_time, self._end_time = start, end
 
     @property
-    def friction(self) -> Friction:
-        """The law of friction; may be changed between steps, to a number or a pair as well."""
-        return self._friction
-
-    @friction.setter
-    def friction(self, value: Friction | ArrayLike) -> None:
-        self._friction = as_friction(value)
-        self._correct = surface_kernel(self._friction.kinetic_coefficient)
-        set_friction(self._step, self._friction)
-
-    @property
     def start_pose(self) -> Pose:
         """Centres of the segments at the start of the last step; no axes, velocities and spins."""
         t = 0.0 if self._start_time is None else self._start_time
@@ -281,40 +228,6 @@ class SurfaceCorrection:
     def vertices(self) -> np.ndarray:
         """Places (nv, 3) [m] of the vertices at the start of the last step; to be read only."""
         return self._start.vertices
-
-    @property
-    def evaluated(self) -> int:
-        """Closest points computed in the last step."""
-        return int(self._work["evaluated"])
-
-    @property
-    def active(self) -> int:
-        """Nodes in contact in the last step."""
-        return int(self._work["active"])
-
-    @property
-    def sticking(self) -> int:
-        """Nodes in contact that stuck in the last step."""
-        return int(self._work["sticking"])
-
-    @property
-    def pinched(self) -> int:
-        """Nodes to which two parts of the body left no room in the last step."""
-        return int(self._work["pinched"])
-
-    @property
-    def max_depth(self) -> float:
-        """Deepest start of the last step below the offset surface [m]."""
-        return float(self._work["max_depth"])
-
-    @property
-    def pinch_depth(self) -> float:
-        """The same of pinched nodes, which are not counted there [m]."""
-        return float(self._work["pinch_depth"])
-
-    def reset(self) -> None:
-        """Begin a new window."""
-        self.window.clear()
 
     def looks(self) -> tuple[np.ndarray, np.ndarray]:
         """What steps so far have found, (n, LOOKS); way [m], time [s] and `highest` of the surface.

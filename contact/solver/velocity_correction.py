@@ -15,7 +15,6 @@ applied (without it: the free velocity). Then the work of forces and contact ove
 the change of kinetic energy, and nodes at rest dissipate nothing.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -25,30 +24,24 @@ from contact.body.pose_check import body_jumps
 from contact.body.segment_sets import SETS as BITS
 from contact.body.segments import Body, Pose
 
-from .contact_ledger import Ledger
 from .correction_step import correction_kernel
-from .friction import Friction, as_friction
+from .friction import Friction
+from .node_correction import NodeCorrection
 from .segment_motion import move_segments, segment_records
 from .step_record import (
-    ALLOWED,
     FAR,
     GUARD,
     GUARDS,
     LOOK,
     NODE,
-    PENETRATED,
-    SEGMENT_TOUCHED,
-    SETS,
     set_friction,
-    step_record,
 )
 from .supporting_planes import PLANE
 
-EVERY = 2**63 - 1  # all segments
 LOOKS = 1 + LOOK + GUARDS * GUARD  # numbers a node in `VelocityCorrection.looks`
 
 
-class VelocityCorrection:
+class VelocityCorrection(NodeCorrection):
     """Contact and friction with a body, applied between steps.
 
     Parameters
@@ -65,12 +58,9 @@ class VelocityCorrection:
 
     Attributes
     ----------
-    last : Ledger of the last step
-    window : Ledger of all steps since the last `reset`
-    fixed, allowed : (n,), as given; may be changed in place between steps
+    last, window, fixed, allowed, penetrated, active, ... : see NodeCorrection
     segment : (n,) int, segment touched in the last step, where two hold the node the one that
         pushes more; -1 without contact
-    penetrated : (n,) int, set of the soft segments that each node lies in
 
     Raises
     ------
@@ -90,26 +80,10 @@ class VelocityCorrection:
         allowed: ArrayLike | None = None,
         flesh: float = np.inf,
     ):
-        if not (np.isfinite(offset) and offset >= 0):
-            raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
-        if not recovery > 0:
-            raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
         if not flesh > 0:
             raise ValueError(f"the stiffness of soft segments is positive, not {flesh}")
-        self._sets, self._look = np.zeros((SETS, nodes), np.int64), np.zeros((LOOK, nodes))
-        self._guards, self._away = np.zeros((nodes, GUARDS, GUARD)), np.zeros(nodes)
-        self._clearance = self._look[3]
-        self._clearance[:] = -1.0
-        self.fixed, self.allowed = np.zeros(nodes, bool), self._sets[ALLOWED]
-        self.segment, self.penetrated = self._sets[SEGMENT_TOUCHED], self._sets[PENETRATED]
-        self.segment[:] = -1
-        for name, array, given in (
-            ("fixed", self.fixed, False if fixed is None else fixed),
-            ("allowed", self.allowed, EVERY if allowed is None else allowed),
-        ):
-            if np.shape(given) not in ((), (nodes,)):
-                raise ValueError(f"{name} has shape {np.shape(given)}, not ({nodes},)")
-            array[:] = given
+        super().__init__(nodes, len(body.shapes), friction, offset, fixed, recovery, allowed)
+        self._guards = np.zeros((nodes, GUARDS, GUARD))
         self.body = body
         self._segments = segment_records(body)
         if flesh < np.inf and self._segments["bit"].max() == BITS:
@@ -117,22 +91,13 @@ class VelocityCorrection:
                 f"of {len(body.shapes)} segments that move by themselves only {BITS} can be told "
                 "apart as soft ones; give several one carrier, or leave them hard"
             )
-        self._friction = as_friction(friction)
-        self._correct = self._kernel_of(self._friction)
-        self._offset = float(offset)
-        self._step = step_record(self._friction, self._offset)
-        self._step["flesh"], self._step["recovery_speed"] = flesh, recovery
-        self._work = self._step[0]
+        self._step["flesh"] = flesh
         self._planes = np.zeros(2 * len(self._segments), PLANE)
         self._gaps, self._node = np.zeros(len(self._segments)), np.zeros(1, NODE)
         self._beds = np.zeros(0)
         self._extents = np.array([shape.half_extents for shape in body.shapes], float)
-        m = len(self._segments)
-        self.last, self.window = Ledger(nodes, m), Ledger(nodes, m)
         self._start, self._end = body.new_pose(), body.new_pose()
         self._scratch: tuple | None = None  # of `preview`
-        self._start_time: float | None = None
-        self._end_time: float | None = None
 
     def __call__(
         self,
@@ -230,27 +195,6 @@ class VelocityCorrection:
         )  # fmt: skip
         return after, int(step[0]["active"]), int(step[0]["sticking"])
 
-    def _check(self, x, v, mass, old, dt, t):
-        nodes, shape = self.segment.shape, self.last.impulse.shape
-        if not (x.shape == v.shape == old.shape == shape and mass.shape == nodes):
-            for name, array, wanted in (
-                ("x", x, shape), ("v", v, shape), ("mass", mass, nodes), ("v_old", old, shape),
-            ):  # fmt: skip
-                if array.shape != wanted:
-                    raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
-        if not (0 < dt < math.inf and math.isfinite(t)):
-            raise ValueError(
-                f"contact needs a time step above 0 s at a finite time, not {dt} s at {t}"
-            )
-
-    def _refuse(self, i, x, v, mass, t):
-        if not 0 < mass[i] < np.inf:
-            raise ValueError(f"node {i} has a mass of {mass[i]} kg; contact needs one above 0")
-        raise FloatingPointError(
-            f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
-            "the step has exploded; take a smaller one"
-        )
-
     def _move(self, start, end):
         """Poses at the two times; the end of one step usually is the start of the next."""
         if start == self._start_time and end == self._end_time:
@@ -258,7 +202,7 @@ class VelocityCorrection:
         if start == self._end_time:
             self._start, self._end = self._end, self._start
         else:
-            self._clearance[:] = -1.0
+            self._look[3] = -1.0
             if start != self._start_time:
                 self.body.pose(start, self._start)
         self.body.pose(end, self._end)
@@ -270,17 +214,6 @@ class VelocityCorrection:
             raise body_jumps(self.body.names[jumping], jump, start, end)
 
     @property
-    def friction(self) -> Friction:
-        """The law of friction; may be changed between steps, to a number or a pair as well."""
-        return self._friction
-
-    @friction.setter
-    def friction(self, value: Friction | ArrayLike) -> None:
-        self._friction = as_friction(value)
-        self._correct = self._kernel_of(self._friction)
-        set_friction(self._step, self._friction)
-
-    @property
     def segments(self) -> np.ndarray:
         """Records (m,) SEGMENT of the body and its motion over the last step; to be read only."""
         return self._segments
@@ -289,36 +222,6 @@ class VelocityCorrection:
     def start_pose(self) -> Pose:
         """Pose of the body at the start of the last step."""
         return self._start
-
-    @property
-    def evaluated(self) -> int:
-        """Closest points computed in the last step."""
-        return int(self._work["evaluated"])
-
-    @property
-    def active(self) -> int:
-        """Nodes in contact in the last step."""
-        return int(self._work["active"])
-
-    @property
-    def sticking(self) -> int:
-        """Nodes in contact that stuck in the last step."""
-        return int(self._work["sticking"])
-
-    @property
-    def pinched(self) -> int:
-        """Nodes in soft segments, or to which hard ones left no room, in the last step."""
-        return int(self._work["pinched"])
-
-    @property
-    def max_depth(self) -> float:
-        """Deepest start of the last step below the offset surface [m]."""
-        return float(self._work["max_depth"])
-
-    @property
-    def pinch_depth(self) -> float:
-        """The same of pinched nodes, which are not counted there [m]."""
-        return float(self._work["pinch_depth"])
 
     def add_counts(self, other: "VelocityCorrection") -> None:
         """Add the counts of the last step of another correction, and take the greater depths."""
@@ -338,10 +241,6 @@ class VelocityCorrection:
             self._beds = np.zeros(len(self.segment))
         self._step["bed"] = stiffness if self._work["flesh"] < np.inf else np.inf
         return self._beds
-
-    def reset(self) -> None:
-        """Begin a new window."""
-        self.window.clear()
 
     def looks(self) -> tuple[np.ndarray, np.ndarray]:
         """What steps so far have found out of reach: (n, LOOKS), way [m] and time [s] of the body.

@@ -3,7 +3,9 @@
 
 C code is compiled for the processor it runs on. The environment variable SHELLFORM_CFLAGS names
 other flags in place of -march=native, as SHELLFORM_CFLAGS=-march=x86-64-v2 for machines of many
-kinds that share a cache.
+kinds that share a cache. Forms are compiled by FFCx with flags of its own, -O2, in place of which
+stand those of SHELLFORM_FORM_CFLAGS: with -O0, as in tests, a form that is needed once is there in
+half the time.
 
 FFCx, cffi, setuptools and dolfinx pass a failed compile on in errors of five kinds, whose texts
 change with their versions. So it is not they that are read: what a compiler needs is tried again.
@@ -30,13 +32,21 @@ ROOM = 4 << 20  # bytes, more than any file that a compile writes
 
 def compiler_flags(environment: Mapping[str, str] = os.environ) -> list[str]:
     """Flags of the C compiler, those of the processor among them; ValueError for what is none."""
-    given = environment.get("SHELLFORM_CFLAGS", "-march=native")
-    processor = shlex.split(given)
-    if not all(flag.startswith("-") for flag in processor):
-        raise ValueError(
-            f"SHELLFORM_CFLAGS is {given!r}: give flags of the C compiler, as -march=x86-64-v2"
-        )
+    processor = _flags("SHELLFORM_CFLAGS", environment, "-march=native", "-march=x86-64-v2")
     return ["-O3", *processor, *FAST]
+
+
+def form_flags(environment: Mapping[str, str] = os.environ) -> list[str] | None:
+    """Flags for forms, None: FFCx's own; ValueError for what is none."""
+    return _flags("SHELLFORM_FORM_CFLAGS", environment, "", "-O0") or None
+
+
+def _flags(name, environment, otherwise, example):
+    given = environment.get(name, otherwise)
+    flags = shlex.split(given)
+    if not all(flag.startswith("-") for flag in flags):
+        raise ValueError(f"{name} is {given!r}: give flags of the C compiler, as {example}")
+    return flags
 
 
 def compiler(environment: Mapping[str, str] = os.environ) -> list[str]:

@@ -20,6 +20,7 @@ import basix
 import ufl
 from ufl.core.expr import Expr as Expr
 
+from .c_compiler import form_flags
 from .killed_compile import comm_of
 from .plain_arguments import plain_arguments
 from .quiet_compiler import quiet_compiler
@@ -59,7 +60,9 @@ _TO_MAKE = inspect.signature(dolfinx.mesh.create_mesh).parameters
 
 def compiled(groups: Sequence[tuple], **options: object) -> list[tuple]:
     """Compile tuples of UFL forms; all signatures first: compiling one changes those of others."""
-    jit_options: dict[str, Any] = {_OPTIONS: JIT | options}
+    flags = form_flags()
+    of_forms = {} if flags is None else {"cffi_extra_compile_args": flags}
+    jit_options: dict[str, Any] = {_OPTIONS: JIT | of_forms | options}
     for form in (form for group in groups for form in group):
         form.signature()
     with quiet_compiler(_forms_folder(), comm_of(groups), sum(map(len, groups))):

@@ -39,10 +39,10 @@ def rod(radius, angle=0.0, shape=None, motion=Fixed, **rates):
 @pytest.mark.parametrize(
     ("radius", "shift", "angle", "triangles"),
     [
-        pytest.param(0.0005, 0.02, 0.0, False, marks=pytest.mark.slow),
+        pytest.param(0.0005, 0.02, 0.0, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
         pytest.param(0.001, 0.013, 0.3, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
         pytest.param(0.0025, 0.007, 0.0, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
-        (0.001, 0.013, 0.1, True),
+        pytest.param(0.001, 0.013, 0.1, True, marks=pytest.mark.serial),
     ],
 )
 def test_a_strip_hangs_over_a_rod(radius, shift, angle, triangles):

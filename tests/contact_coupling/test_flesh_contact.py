@@ -64,7 +64,7 @@ def draped(kind=Newmark, cells=8):
     return stepper, stepper.add(Contact(ball, 0.4, flesh=Flesh(2e4, 1e4, 20.0, 1e4, 0.05)))
 
 
-@pytest.mark.parametrize("kind", [Newmark, Particles])
+@pytest.mark.parametrize("kind", [Newmark, pytest.param(Particles, marks=pytest.mark.serial)])
 def test_cloth_rests_with_its_weight_on_flesh(kind):
     stepper, _ = draped(kind)
     ledger = stepper.add(Ledger())

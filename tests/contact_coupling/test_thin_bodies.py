@@ -128,6 +128,7 @@ def test_a_nine_node_sheet_on_a_rod():
     assert not passages.passed.any() and touch.edges.active > 0
 
 
+@pytest.mark.serial
 def test_force_moment_and_pressure_of_a_strip_at_rest():
     """The rod carries the weight at the strip's centre of mass; the map holds all of it."""
     stepper = strip(shift=0.013, height=0.003, drag=8.0)

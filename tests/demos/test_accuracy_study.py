@@ -89,6 +89,7 @@ OTHER = {"case": "capstan", "family": "quads", "quantity": "force", "kind": "mes
 STALE = OTHER | {"case": "roll_up", "quantity": "position"}
 
 
+@pytest.mark.thorough
 def test_cases_that_are_not_whole_keep_their_rows(tmp_path, monkeypatch, capsys):
     """A run that fails is told; its case keeps the rows of before, as others do."""
     given = few(monkeypatch, tmp_path, failing=[8])
@@ -121,6 +122,7 @@ def test_a_case_cut_short_counts_if_it_has_as_much(tmp_path, monkeypatch):
     )
 
 
+@pytest.mark.thorough
 def test_cases_that_are_whole_take_the_place_of_their_rows(tmp_path, monkeypatch):
     given = few(monkeypatch, tmp_path)
     table = tmp_path / "kept.csv"

@@ -7,7 +7,8 @@ import ufl
 
 import meshes
 from shellform import Fabric, Shell
-from shellform.fem.c_compiler import compiler_flags
+from shellform.fem import dolfinx_compat
+from shellform.fem.c_compiler import compiler_flags, form_flags
 from shellform.fem.dolfinx_compat import Constant, compiled
 from shellform.fem.internal_force import InternalForce
 
@@ -44,3 +45,35 @@ def test_other_flags_have_a_cache_entry_of_their_own(comm, shared_tmp_path):
         counts.append(len(list(shared_tmp_path.glob("*.so"))))
         comm.Barrier()
     assert counts == [1, 2, 2]
+
+
+def test_flags_of_forms():
+    """FFCx's own unless there are others, which forms are then compiled with."""
+    assert form_flags({}) is None and form_flags({"SHELLFORM_FORM_CFLAGS": ""}) is None
+    assert form_flags({"SHELLFORM_FORM_CFLAGS": "-O0 -g0"}) == ["-O0", "-g0"]
+    with pytest.raises(ValueError, match="SHELLFORM_FORM_CFLAGS is 'O0': give flags"):
+        form_flags({"SHELLFORM_FORM_CFLAGS": "O0"})
+
+
+def test_forms_are_compiled_with_their_flags(monkeypatch):
+    seen = []
+    monkeypatch.setenv("SHELLFORM_FORM_CFLAGS", "-O1 -g0")
+    monkeypatch.setattr(
+        dolfinx_compat.fem, "form", lambda form, **options: seen.append(options) or "compiled"
+    )
+
+    class Form:
+        def signature(self):
+            return "one"
+
+        def ufl_domain(self):
+            return self
+
+        def ufl_cargo(self):
+            return self
+
+        comm = None
+
+    assert dolfinx_compat.compiled([(Form(),)]) == [("compiled",)]
+    ((options,),) = [one.values() for one in seen]
+    assert options["cffi_extra_compile_args"] == ["-O1", "-g0"]

@@ -60,7 +60,7 @@ def killed(cache, part="forms"):
 
 @pytest.mark.serial
 @pytest.mark.slow
-@pytest.mark.parametrize("part", ["elements", "forms"])
+@pytest.mark.parametrize("part", [pytest.param("elements", marks=pytest.mark.thorough), "forms"])
 def test_a_killed_compile_is_done_anew(part, tmp_path):
     """Two at once: one compiles, the other waits for it."""
     killed(tmp_path, part)

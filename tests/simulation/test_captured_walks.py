@@ -58,8 +58,13 @@ def theia(folder):
     return write_c3d_bytes(folder / "theia.c3d", [], blank, poses=poses)
 
 
+# in every run those that differ most: markers, joint centres, poses
+QUICK = ("ior", "joint-centres", "theia")
+KEYS = [pytest.param(k, marks=() if k in QUICK else pytest.mark.thorough) for k in [*SETS, "theia"]]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("key", [*SETS, "theia"])
+@pytest.mark.parametrize("key", KEYS)
 def test_from_file_to_torque(tmp_path, key, capsys):
     """Every set: trousers on the walker, torques of loose trousers, notes printed."""
     if key == "theia":

@@ -162,6 +162,7 @@ def compared(what, one, other):
 
 @pytest.mark.serial
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_turned_walk(walked, walks):
     """In another place and direction: world components turn, those about the joints' axes stay."""
     angle, shift = 2.3, (4.0, -3.0)

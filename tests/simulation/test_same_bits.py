@@ -62,6 +62,7 @@ def test_environments_differ():
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_walk_repeats(tmp_path):
     """Four processes, environments and memory unlike: bytes of the files are the same."""
     write_scene(WALK, tmp_path / "scene.toml")

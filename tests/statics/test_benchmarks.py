@@ -223,7 +223,9 @@ def semi_cylinder(fabric, cells=(16, 16)):
 @pytest.mark.serial
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("column", "angles"), [(1, None), (2, (0, 90, 0)), (3, (90, 0, 90))],
+    ("column", "angles"),
+    [pytest.param(1, None, marks=pytest.mark.thorough), (2, (0, 90, 0)),
+     pytest.param(3, (90, 0, 90), marks=pytest.mark.thorough)],
     ids=["isotropic", "0-90-0", "90-0-90"],
 )  # fmt: skip
 def test_pinched_semi_cylinder(table, column, angles):

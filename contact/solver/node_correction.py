@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What all corrections of nodal velocities share: settings, ledgers, counts, checks of their input.
+
+One is made for each kind of body: `VelocityCorrection` for shapes, `SurfaceCorrection` for surfaces
+of triangles. They differ in how they find what bounds a step.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .contact_ledger import Ledger
+from .friction import Friction, as_friction
+from .step_record import (
+    ALLOWED,
+    LOOK,
+    PENETRATED,
+    SEGMENT_TOUCHED,
+    SETS,
+    set_friction,
+    step_record,
+)
+
+EVERY = 2**63 - 1  # all segments
+
+
+class NodeCorrection:
+    """Contact and friction with a body, applied between steps.
+
+    Parameters
+    ----------
+    nodes : int, owned nodes n; segments : int, rows m of the ledgers
+    friction, offset, fixed, recovery, allowed : see `VelocityCorrection`
+
+    Attributes
+    ----------
+    last, window : Ledger of the last step, and of all since `reset`
+    fixed, allowed : (n,), as given; may be changed in place between steps
+    segment : (n,) int, segment that pushed most in the last step; -1 without contact
+    penetrated : (n,) int, set of the soft segments that each node lies in
+
+    Raises
+    ------
+    ValueError
+        For an offset or a recovery out of range, and arrays of wrong shapes.
+    """
+
+    def __init__(
+        self,
+        nodes: int,
+        segments: int,
+        friction: Friction | ArrayLike,
+        offset: float,
+        fixed: ArrayLike | None,
+        recovery: float,
+        allowed: ArrayLike | None,
+    ):
+        if not (np.isfinite(offset) and offset >= 0):
+            raise ValueError(f"the contact offset is a length >= 0, not {offset} m")
+        if not recovery > 0:
+            raise ValueError(f"the recovery speed is positive, not {recovery} m/s")
+        self._sets, self._look = np.zeros((SETS, nodes), np.int64), np.zeros((LOOK, nodes))
+        self._look[3], self._away = -1.0, np.zeros(nodes)
+        self.fixed, self.allowed = np.zeros(nodes, bool), self._sets[ALLOWED]
+        self.segment, self.penetrated = self._sets[SEGMENT_TOUCHED], self._sets[PENETRATED]
+        self.segment[:] = -1
+        for name, array, given in (
+            ("fixed", self.fixed, False if fixed is None else fixed),
+            ("allowed", self.allowed, EVERY if allowed is None else allowed),
+        ):
+            if np.shape(given) not in ((), (nodes,)):
+                raise ValueError(f"{name} has shape {np.shape(given)}, not ({nodes},)")
+            array[:] = given
+        self._friction, self._offset = as_friction(friction), float(offset)
+        self._correct = self._kernel_of(self._friction)
+        self._step = step_record(self._friction, self._offset)
+        self._step["recovery_speed"] = recovery
+        self._work = self._step[0]
+        self.last, self.window = Ledger(nodes, segments), Ledger(nodes, segments)
+        self._start_time: float | None = None
+        self._end_time: float | None = None
+
+    def _kernel_of(self, friction: Friction) -> Any:
+        """Kernel of a step for a law of friction."""
+        raise NotImplementedError
+
+    def _check(self, x, v, mass, old, dt, t):
+        nodes, shape = self.segment.shape, self.last.impulse.shape
+        if not (x.shape == v.shape == old.shape == shape and mass.shape == nodes):
+            for name, array, wanted in (
+                ("x", x, shape), ("v", v, shape), ("mass", mass, nodes), ("v_old", old, shape),
+            ):  # fmt: skip
+                if array.shape != wanted:
+                    raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
+        if not (0 < dt < math.inf and math.isfinite(t)):
+            raise ValueError(
+                f"contact needs a time step above 0 s at a finite time, not {dt} s at {t}"
+            )
+
+    def _refuse(self, i, x, v, mass, t):
+        if not 0 < mass[i] < np.inf:
+            raise ValueError(f"node {i} has a mass of {mass[i]} kg; contact needs one above 0")
+        raise FloatingPointError(
+            f"node {i} has position {x[i]} m and velocity {v[i]} m/s at t = {t:.6g} s: "
+            "the step has exploded; take a smaller one"
+        )
+
+    @property
+    def friction(self) -> Friction:
+        """The law of friction; may be changed between steps, to a number or a pair as well."""
+        return self._friction
+
+    @friction.setter
+    def friction(self, value: Friction | ArrayLike) -> None:
+        self._friction = as_friction(value)
+        self._correct = self._kernel_of(self._friction)
+        set_friction(self._step, self._friction)
+
+    @property
+    def evaluated(self) -> int:
+        """Closest points computed in the last step."""
+        return int(self._work["evaluated"])
+
+    @property
+    def active(self) -> int:
+        """Nodes in contact in the last step."""
+        return int(self._work["active"])
+
+    @property
+    def sticking(self) -> int:
+        """Nodes in contact that stuck in the last step."""
+        return int(self._work["sticking"])
+
+    @property
+    def pinched(self) -> int:
+        """Nodes in soft segments, or to which hard parts of the body left no room."""
+        return int(self._work["pinched"])
+
+    @property
+    def max_depth(self) -> float:
+        """Deepest start of the last step below the offset surface [m]."""
+        return float(self._work["max_depth"])
+
+    @property
+    def pinch_depth(self) -> float:
+        """The same of pinched nodes, which are not counted there [m]."""
+        return float(self._work["pinch_depth"])
+
+    def reset(self) -> None:
+        """Begin a new window."""
+        self.window.clear()
