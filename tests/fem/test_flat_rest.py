@@ -104,9 +104,12 @@ def test_unsewn_it_opens_flat():
 @pytest.mark.serial
 @pytest.mark.parametrize("degrees", [150, 200])
 def test_a_sewn_sector_is_a_cone(degrees):
-    """Opening angle 2 arcsin(angle / 2 pi), to half a degree."""
+    """Opening angle 2 arcsin(angle / 2 pi), to half a degree.
+
+    Coarser cells, of 20 mm, may settle with a crease, 0.8 degrees off: by the mesh of gmsh.
+    """
     angle = np.radians(degrees)
-    surface = sew(cone(0.08, 0.2, angle), cell_size=0.02)
+    surface = sew(cone(0.08, 0.2, angle), cell_size=0.014)
     shell, _ = settled(surface, seconds=3.0, drag=6.0)
     x = shell.positions()
     reach = np.zeros(len(x))  # from the apex, in the panel
@@ -139,7 +142,10 @@ def test_kernel_forms_and_energy_agree(comm):
 
 
 def surface_area(surface):
-    return sum(0.5 * abs(np.cross(f[2] - f[0], f[3] - f[1])) for f in surface.flat)
+    (a, b), (c, d) = (surface.flat[:, 2] - surface.flat[:, 0]).T, (
+        surface.flat[:, 3] - surface.flat[:, 1]
+    ).T
+    return 0.5 * np.abs(a * d - b * c).sum()
 
 
 @pytest.mark.serial
