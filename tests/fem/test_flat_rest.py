@@ -142,10 +142,9 @@ def test_kernel_forms_and_energy_agree(comm):
 
 
 def surface_area(surface):
-    (a, b), (c, d) = (surface.flat[:, 2] - surface.flat[:, 0]).T, (
-        surface.flat[:, 3] - surface.flat[:, 1]
-    ).T
-    return 0.5 * np.abs(a * d - b * c).sum()
+    a, b, c, d = surface.flat.transpose(1, 0, 2)
+    (p, q), (r, s) = (c - a).T, (d - b).T  # diagonals
+    return 0.5 * np.abs(p * s - q * r).sum()
 
 
 @pytest.mark.serial
