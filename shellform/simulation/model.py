@@ -78,7 +78,7 @@ class Model:
                 contact.friction if kinetic is None else (contact.friction, kinetic),
                 contact.offset,
                 # thighs and calves of a skin meet by its own shape, flesh by its own stiffness
-                flesh_stiffness=contact.flesh_stiffness if flesh is skin is None else None,
+                flesh_stiffness=contact.flesh_stiffness if flesh is None and skin is None else None,
                 flesh=flesh,
                 surface=skin,
                 self_contact=contact.self_contact,

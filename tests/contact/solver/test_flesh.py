@@ -150,7 +150,7 @@ def test_energy_lost_is_never_negative_beyond_what_is_stored():
         lost = correction.window.impact_loss.sum()
         assert lost >= correction.stored_energy(mass) * (1 - 1e-9) - 1e-9
         assert correction.window.friction_loss.sum() >= 0
-    assert touched > 1000 and correction.evaluated >= 0
+    assert touched > 1000
 
 
 def test_stiff_flesh_is_a_hard_body():
