@@ -33,17 +33,21 @@ from .skinning import (
 )
 
 LEAST = 2e-3  # weights below are left out
-NEAR = 0.5  # of its distance from the plane at binding, within which a vertex is pressed
+ALONE = 0.9  # weight of two segments above which no other carries a vertex
+ROOM = 0.8  # of the margin, the room that is left at most
 
 
 class Bend(NamedTuple):
-    """A joint whose flesh meets when it bends.
+    """Two segments whose flesh meets, as behind a joint that bends.
 
     above, below : its segments
     centre : (3,) at binding [m]
     far_above, far_below : (3,), points that the lines of both segments go to from there [m]
     margin : from the halving plane, within which flesh is pressed at most [m]
-    parts : (n,) float 0 to 1, of the press that the vertices feel; None: all of it
+    near : the same as a part of the distance at binding
+    room : from the halving plane, that is left for cloth [m]
+    parts : (n,) float 0 to 1, of the press that the vertices feel, those above 0 in no other bend;
+        None: of those vertices that the two alone carry, each is in the bend of the nearest centre
     """
 
     above: str
@@ -52,6 +56,8 @@ class Bend(NamedTuple):
     far_above: np.ndarray
     far_below: np.ndarray
     margin: float = 0.015
+    near: float = 0.5
+    room: float = 0.0
     parts: np.ndarray | None = None
 
 
@@ -163,16 +169,22 @@ class SkinnedSurface:
         normal = along[0] - along[1]
         normal /= np.linalg.norm(normal)
         from_plane = (points - bend.centre) @ normal
-        # those of the two alone: what other segments carry as well is far from this bend
-        whole = table[:, a] + table[:, b] > 1 - LEAST
-        main = np.where(from_plane > 0, table[:, a] > table[:, b], table[:, b] > table[:, a])
-        far = np.linalg.norm(points - bend.centre, axis=1)
-        near = whole & (main | (table[:, [a, b]].min(axis=1) > 0)) & (far < nearest)
-        nearest[near] = far[near]
-        self.skin["bend"][near] = k
-        self.skin["side"][near] = np.sign(from_plane[near])
-        self.skin["margin"][near] = np.minimum(NEAR * np.abs(from_plane[near]), bend.margin)
-        self.skin["part"][near] = 1.0 if bend.parts is None else bend.parts[near]
+        if bend.parts is None:
+            # what other segments carry as well is far from this bend
+            whole = table[:, a] + table[:, b] > ALONE
+            main = np.where(from_plane > 0, table[:, a] > table[:, b], table[:, b] > table[:, a])
+            far = np.linalg.norm(points - bend.centre, axis=1)
+            own = whole & (main | (table[:, [a, b]].min(axis=1) > 0)) & (far < nearest)
+            nearest[own] = far[own]
+        else:
+            own = bend.parts > 0.0
+            nearest[own] = 0.0
+        margin = np.minimum(bend.near * np.abs(from_plane[own]), bend.margin)
+        self.skin["bend"][own] = k
+        self.skin["side"][own] = np.sign(from_plane[own])
+        self.skin["margin"][own] = margin
+        self.skin["room"][own] = np.minimum(bend.room, ROOM * margin)
+        self.skin["part"][own] = 1.0 if bend.parts is None else bend.parts[own]
 
     @property
     def vertex_count(self) -> int:

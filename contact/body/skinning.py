@@ -39,7 +39,8 @@ SKIN = [
     ("point", float, 3),  # where it was bound [m]
     ("bend", np.int64),  # joint that presses it, -1 for none
     ("side", float),  # 1 above that joint, -1 below
-    ("margin", float),  # [m]
+    ("margin", float),  # m of `flesh` [m]
+    ("room", float),  # r of `flesh` [m]
     ("part", float),  # of the press that it feels, 0 to 1
 ]
 
@@ -130,7 +131,7 @@ def place_skin(
             s = side * (
                 at[5, 0] * (x0 - at[4, 0]) + at[5, 1] * (x1 - at[4, 1]) + at[5, 2] * (x2 - at[4, 2])
             )
-            push = skin[i].part * side * (kept_on_side(s, skin[i].margin)[0] - s)
+            push = skin[i].part * side * (kept_on_side(s, skin[i].margin, skin[i].room)[0] - s)
             x0, x1, x2 = x0 + push * at[5, 0], x1 + push * at[5, 1], x2 + push * at[5, 2]
         out[i, 0], out[i, 1], out[i, 2] = x0, x1, x2
 
@@ -184,7 +185,7 @@ def skin_rates(
             arm = x[c] - at[4, c]
             s += at[5, c] * arm
             ds += at[5, c] * (v[c] - of_planes[k, 0, c]) + of_planes[k, 1, c] * arm
-        g, slope = kept_on_side(side * s, skin[i].margin)
+        g, slope = kept_on_side(side * s, skin[i].margin, skin[i].room)
         push, h = skin[i].part * (slope - 1.0) * ds, skin[i].part * (side * g - s)
         for c in range(3):
             out[i, c] += push * at[5, c] + h * of_planes[k, 1, c]
@@ -219,7 +220,7 @@ def add_skin(
             n0, n1, n2 = at[5, 0], at[5, 1], at[5, 2]
             r0, r1, r2 = x[0] - at[4, 0], x[1] - at[4, 1], x[2] - at[4, 2]
             s = n0 * r0 + n1 * r1 + n2 * r2
-            g, slope = kept_on_side(side * s, skin[i].margin)
+            g, slope = kept_on_side(side * s, skin[i].margin, skin[i].room)
             along = f0 * n0 + f1 * n1 + f2 * n2
             push, h = skin[i].part * (slope - 1.0) * along, skin[i].part * (side * g - s)
             if h != 0.0:
