@@ -155,6 +155,8 @@ class Stepper:
     def remove(self, part: Part) -> None:
         """Let a part run no longer."""
         self.parts.remove(part)
+        if part is self.self_contact or (part is self.contact and self.contact.cloth is not None):
+            self.self_contact = None
         if part is self.contact:
             self.contact = None
 
