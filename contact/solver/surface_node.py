@@ -258,7 +258,7 @@ def book_surface(
     over: np.ndarray,
     mesh: Any,
     start: Any,
-    at_vertices: np.ndarray,
+    acting: Any,
 ) -> int:
     """Book the impulses of all planes at the vertices; the plane that pushes most, or -1."""
     dt, most, greatest = work.dt, -1, 0.0
@@ -278,7 +278,7 @@ def book_surface(
         b1, b2, h = numbers_of(start.vertices, mesh.triangles, over[k], x[0], x[1], x[2])
         add_impulse(
             start.vertices, mesh.triangles, over[k], b1, b2, h, work.impulse, done, rubbed,
-            pressed, at_vertices,
+            pressed, acting,
         )  # fmt: skip
     return most
 
@@ -294,7 +294,7 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
     last : owner touched in the last step; asked : sets of triangles that count
     highest : of the smooth surface over the flat one [m]
     planes (PLANES,) PLANE, over (PLANES,) int, stack, bounds : scratch
-    owners : (nt,) int; at_vertices : (nv, 6), added to
+    owners : (nt,) int; acting : Acting, added to
 
     Returns the triangle that pushes most, or -1; the triangle looked at last; the depth [m] of
     the start.
@@ -304,7 +304,7 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
     @kernel(makes_arrays=False)
     def meet_surface(
         x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
-        end, planes, over, stack, bounds, owners, at_vertices,
+        end, planes, over, stack, bounds, owners, acting,
     ):  # fmt: skip
         for c in range(3):
             work.free[c] = work.dt * v[c]
@@ -359,7 +359,7 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
             for k in range(work.count):
                 push = planes[k].push * planes[k].normal[c]
                 work.change[c] += (push + planes[k].friction[c]) / work.dt
-        most = book_surface(x, v, mass, work, planes, over, mesh, start, at_vertices)
+        most = book_surface(x, v, mass, work, planes, over, mesh, start, acting)
         if most < 0:
             # a squeezed node stays with its part, whether that pushes or not
             return (over[max(work.first, 0)] if work.pushing == PINCHED else -1), t, work.depth
