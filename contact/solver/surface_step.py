@@ -187,6 +187,7 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
                     set_look(look, i, x0, x1, x2, clear, work.path)
                     continue
                 found = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
+                flat = np.sqrt(square)
                 limit = max(SHEET, 8.0 * reach) if found[7] else needed
                 t, square = closest_facing(
                     mesh, start, x0, x1, x2, asked, found[4], found[5], found[6], FACING, limit,
@@ -202,6 +203,7 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
                         other = found[3] <= 0.0 or second[3] > 0.0
                 if found[7]:
                     left = sheet[3, i] = limit
+                    local = not other and limit > max(abs(found[3]), flat) + reach + needed
             last[i] = found[0]
             gap = found[3] - work.offset
             if gap > reach and not other:

@@ -60,9 +60,15 @@ def mesh_of(triangles: np.ndarray, vertices: np.ndarray, sets: np.ndarray | None
     while len(rows[0]) > 1:
         rows.insert(0, rows[0][::2] | rows[0][1::2])
     return Mesh(
-        triangles, order, neighbours.astype(np.int64), ring_start, ring, ring_ends,
-        np.array([1 << levels]), triangles[order], sets, np.concatenate(rows),
+        _small(triangles), _small(order), _small(neighbours), _small(ring_start), _small(ring),
+        _small(ring_ends), np.array([1 << levels]), _small(triangles[order]), sets,
+        np.concatenate(rows),
     )  # fmt: skip
+
+
+def _small(whole):
+    """Whole numbers of half the size: what contact reads of a mesh comes from memory."""
+    return np.ascontiguousarray(whole, np.int32)
 
 
 def _rings(triangles, neighbours, count):

@@ -19,6 +19,7 @@ from shellform.motion.recording import SEGMENTS, SIDES
 from shellform.motion.wearer import Wearer
 
 from .between_legs import SKIN, WEIGHTS, between_legs
+from .coarse import coarse_ends
 from .fitting import fitted
 from .lower_body import lower_body
 from .placing import MIDDLE, placed
@@ -47,7 +48,7 @@ def skin_of(
     ValueError where the body has no legs that can be measured, or cannot be brought to the girths
     """
     points = standing_of(wearer.recording)
-    standing = placed(lower_body(body), points, stature)
+    standing = placed(coarse_ends(lower_body(body)), points, stature)
     smooth = between_legs(standing, SKIN)
     if girths:
         standing, _ = fitted(standing, girths, smooth)
