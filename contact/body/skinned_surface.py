@@ -149,9 +149,11 @@ class SkinnedSurface:
         rows, entries = np.flatnonzero(~same), np.repeat(~same, count)
         row_of = np.full(n, -1)
         row_of[rows] = np.arange(len(rows))
-        self._smoothing = (
-            np.concatenate([[0], np.cumsum(count[rows])]), columns[entries], parts[entries]
-        )  # fmt: skip
+        # half the size, as this is read in every step; what rounding takes of a sum is given back
+        starts, short = np.concatenate([[0], np.cumsum(count[rows])]), parts[entries].astype("f4")
+        scales = np.add.reduceat(parts[entries], starts[:-1])
+        scales /= np.add.reduceat(short.astype(float), starts[:-1])
+        self._smoothing = starts, columns[entries].astype(np.int32), short, scales
         self._rows, self._row_of, self._means = rows, row_of, np.zeros((len(rows), 3))
         self._spread, self._listed = np.zeros((n, 6)), np.zeros(n, np.int64)
         self._taken = np.zeros(n, bool)

@@ -267,11 +267,12 @@ def add_skin(
 @kernel(makes_arrays=False)
 def draw_smooth(
     rows: np.ndarray, starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
-    at: np.ndarray, means: np.ndarray,
+    scales: np.ndarray, at: np.ndarray, means: np.ndarray,
 ) -> None:  # fmt: skip
     """Put the means M x in place of those `rows` (k,) of x = at (n, 3) that are drawn smooth.
 
-    starts (k + 1,), columns, parts : these rows of M; means : (k, 3), scratch
+    starts (k + 1,), columns, parts : these rows of M, each to be multiplied by its scale (k,)
+    means : (k, 3), scratch
     """
     for r in range(len(rows)):
         x0 = x1 = x2 = y0 = y1 = y2 = 0.0
@@ -285,22 +286,36 @@ def draw_smooth(
             x0, x1, x2 = x0 + w * at[j, 0], x1 + w * at[j, 1], x2 + w * at[j, 2]
             j, w = columns[k + 1], parts[k + 1]
             y0, y1, y2 = y0 + w * at[j, 0], y1 + w * at[j, 1], y2 + w * at[j, 2]
-        means[r, 0], means[r, 1], means[r, 2] = x0 + y0, x1 + y1, x2 + y2
+        scale = scales[r]
+        means[r, 0], means[r, 1], means[r, 2] = (
+            scale * (x0 + y0), scale * (x1 + y1), scale * (x2 + y2)
+        )  # fmt: skip
     for r in range(len(rows)):
         for c in range(3):
             at[rows[r], c] = means[r, c]
 
 
 @kernel(makes_arrays=False)
+def _reach(j, w, i, at_vertices, out, listed, taken, count):
+    """Add what acts at vertex i times w to vertex j; the number of vertices reached then."""
+    if not taken[j]:
+        taken[j], listed[count] = True, j
+        count += 1
+    for c in range(6):
+        out[j, c] += w * at_vertices[i, c]
+    return count
+
+
+@kernel(makes_arrays=False)
 def spread_smooth(
     row_of: np.ndarray, starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
-    pushed: np.ndarray, at_vertices: np.ndarray, out: np.ndarray, listed: np.ndarray,
-    taken: np.ndarray,
+    scales: np.ndarray, pushed: np.ndarray, at_vertices: np.ndarray, out: np.ndarray,
+    listed: np.ndarray, taken: np.ndarray,
 ) -> int:  # fmt: skip
     """Add M^T at_vertices to out (n, 6); the number of vertices that it reaches.
 
-    row_of : (n,) int, number of a vertex among those drawn smooth, or -1; starts, columns, parts :
-        see `draw_smooth`
+    row_of : (n,) int, number of a vertex among those drawn smooth, or -1
+    starts, columns, parts, scales : see `draw_smooth`
     pushed : vertices at which something acts; listed (n,) : filled with those reached; taken
         (n,) bool : whether a vertex is among them, False before
     """
@@ -308,14 +323,12 @@ def spread_smooth(
     for m in range(len(pushed)):
         i = pushed[m]
         r = row_of[i]
-        first, end = (starts[r], starts[r + 1]) if r >= 0 else (0, 1)
-        for k in range(first, end):
-            j, w = (columns[k], parts[k]) if r >= 0 else (i, 1.0)
-            if not taken[j]:
-                taken[j], listed[count] = True, j
-                count += 1
-            for c in range(6):
-                out[j, c] += w * at_vertices[i, c]
+        if r < 0:
+            count = _reach(i, 1.0, i, at_vertices, out, listed, taken, count)
+            continue
+        for k in range(starts[r], starts[r + 1]):
+            w = scales[r] * parts[k]
+            count = _reach(columns[k], w, i, at_vertices, out, listed, taken, count)
     return count
 
 

@@ -86,6 +86,59 @@ class NodeCorrection:
         """Kernel of a step for a law of friction."""
         raise NotImplementedError
 
+    def _move(self, start, end):
+        """Place the body at the two times of a step; nothing where that has been done."""
+        raise NotImplementedError
+
+    def _ask(self, nodes, x, v, old, mass, dt, step, correct):
+        """Correct v (k, 3) of some nodes by a kernel of `_kernel_of`, and keep nothing.
+
+        Arrays are to be of the order that a step has: another one would be compiled for.
+        """
+        raise NotImplementedError
+
+    def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float, least: float) -> np.ndarray:
+        """Whether nodes (k,) int with velocities v (k, 3) touch the body or may, in a step dt [s].
+
+        By what the last step has found: a node that the body reaches suddenly is missed, and one
+        that does not touch it yet and goes by less than `least` [m] in two steps.
+        """
+        way = 2.0 * dt * np.sqrt((v * v).sum(axis=1))
+        near = ~(self._away[nodes] > way + float(self._work["motion"])) & (way > least)
+        return near | (self.segment[nodes] >= 0)
+
+    def preview(
+        self,
+        nodes: np.ndarray,
+        x: np.ndarray,
+        v: np.ndarray,
+        mass: np.ndarray,
+        dt: float,
+        t: float,
+        friction: Friction | None = None,
+    ) -> tuple[np.ndarray, int, int]:
+        """What a call would make of velocities v (k, 3) of some nodes (k,) int; nothing is kept.
+
+        x, mass : (k, 3), (k,), of these; friction : in place of that of the contact
+
+        Returns their velocities (k, 3), how many are pushed and how many of them stick.
+        """
+        self._move(t, t + dt)
+        step, correct = self._step.copy(), self._correct
+        if friction is not None:
+            set_friction(step, friction)
+            correct = self._kernel_of(friction)
+        after = v.copy()
+        self._ask(nodes, x, after, v, mass, dt, step, correct)
+        return after, int(step[0]["active"]), int(step[0]["sticking"])
+
+    def normal_give(self, nodes: np.ndarray, dt: float) -> np.ndarray:
+        """Part (k,) of a change of their velocity along its normal that the body leaves to nodes.
+
+        None where it is hard.
+        """
+        return np.zeros(len(nodes))
+
     def _check(self, x, v, mass, old, dt, t):
         nodes, shape = self.segment.shape, self.last.impulse.shape
         if not (x.shape == v.shape == old.shape == shape and mass.shape == nodes):
