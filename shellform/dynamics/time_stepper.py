@@ -155,8 +155,12 @@ class Stepper:
     def remove(self, part: Part) -> None:
         """Let a part run no longer."""
         self.parts.remove(part)
+        if part is self.self_contact:
+            self.self_contact = None
         if part is self.contact:
             self.contact = None
+            if self.self_contact not in self.parts:  # it had its turn with the body's
+                self.self_contact = None
 
     def set_contact(self, contact: RunningContact) -> None:
         """Take over a contact; ValueError if there is one, or if its books came first."""

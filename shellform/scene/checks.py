@@ -57,6 +57,7 @@ RANGES = {
 }
 
 WRINKLES = ("auto", "relaxed", "resolved")
+HANGS = ("auto", "waist", "shoulders")
 
 
 def check_kinds(scene: Scene) -> None:
@@ -115,6 +116,10 @@ def check_numbers(scene: Scene) -> None:
         raise ValueError(
             f"garment.wrinkles is {', '.join(WRINKLES[:-1])} or {WRINKLES[-1]}, not "
             f"{scene.garment.wrinkles!r}"
+        )
+    if scene.garment.hangs not in HANGS:
+        raise ValueError(
+            f"garment.hangs is {', '.join(HANGS[:-1])} or {HANGS[-1]}, not {scene.garment.hangs!r}"
         )
     kinetic = scene.contact.kinetic_friction
     if kinetic is not None and kinetic > scene.contact.friction:

@@ -19,9 +19,10 @@ from shellform.motion.wearer import Wearer
 from .fit import check_fit, waist_height
 from .parts import Garment
 from .scene import Scene
+from .shoulders import hangs_on_shoulders, is_pattern
+from .wearer import dressing_wearer
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
-PATTERNS = (".json", ".dxf", ".svg")  # endings of files with flat panels
 ASIDE, HIGHER = 0.05, 0.08  # a garment off its wearer's waist by more is moved there [m]
 HEM = 0.06  # height of the hems of trousers over the floor, at least [m]
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
@@ -38,7 +39,12 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     garment = scene.garment
     height, middle, heading = stance(wearer)
     waist = waist_height(wearer) - middle[2] + height
-    if garment.file is not None and Path(garment.file).suffix.lower() in PATTERNS:
+    if hangs_on_shoulders(garment):
+        # only here: the shirts' room is no other garment's
+        from .shirt import shirt_of
+
+        return shirt_of(garment, dressing_wearer(scene, wearer), scene.cell_size)
+    if is_pattern(garment):
         # only here: other garments are not sewn
         from .pattern import sewn_garment
 

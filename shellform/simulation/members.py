@@ -26,6 +26,7 @@ from mpi4py import MPI
 from shellform.errors import NotConverged, Stopped, Unstable
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import write_scene
+from shellform.scene.shoulders import belt_of
 
 from .run import resume, run
 
@@ -89,7 +90,8 @@ def members_of(scene: Scene, out: str | Path, dressed: str | Path | None = None)
     """
     out, runs = Path(out), scene.runs
     first = replace(scene, steps=replace(scene.steps, runs=runs))
-    if runs > 1 and not scene.belt and not scene.gravity:
+    held = belt_of(scene.belt, scene.garment)
+    if runs > 1 and not held and not scene.gravity:
         raise ValueError(
             f"steps.runs = {runs}, and starts differ by their belt or their gravity, which both "
             "are 0: ask for 1 run"
@@ -97,8 +99,10 @@ def members_of(scene: Scene, out: str | Path, dressed: str | Path | None = None)
     members = [Member(first, out, out, dressed)]
     for k in range(1, runs):
         factor = 1 + APART * offset(k)
-        belt, gravity = scene.belt * factor, scene.gravity
-        if not scene.belt:
+        belt, gravity = scene.belt, scene.gravity
+        if held:
+            belt *= factor
+        else:
             gravity *= factor
         alone, title = replace(scene.steps, runs=1), f"{scene.title}, start {k}"
         other = replace(scene, steps=alone, title=title, belt=belt, gravity=gravity)

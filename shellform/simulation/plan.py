@@ -28,6 +28,7 @@ from shellform.scene.checks import check_dressing
 from shellform.scene.flesh import flesh_of
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
+from shellform.scene.shoulders import belt_of
 from shellform.scene.wearer import dressed_wearer, wearer_of
 
 WRINKLES = {
@@ -95,7 +96,7 @@ def plan_of(
         "motion": {"source": str(recording.source), "start": wearer.start, "end": wearer.end},
         "joints": list(wearer.joints),
         "dressing": {"model": steps.dressing, "seconds_at_most": Dressing().seconds},
-        "belt": scene.belt,
+        "belt": belt_of(scene.belt, scene.garment),
         "outputs": ["torque.csv", "ledger.csv", "dressing.pvd", "series.pvd"],
     }
     if scene.runs > 1:

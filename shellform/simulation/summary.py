@@ -27,7 +27,7 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
     return (
         {
             "joints": {
-                j: resistance(joints.rows, j, walked[j.split("_")[0]], wearer.start, counted)
+                j: resistance(joints.rows, j, _strides(walked, j), wearer.start, counted)
                 for j in joints.joints
             },
             "counted_s": list(counted),
@@ -50,6 +50,12 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
         | _cloth(scene.cloth)
         | _itself(model, recorders)
     )
+
+
+def _strides(walked, joint):
+    """Strides of a joint's side; of the trunk, which has none, those of the right foot."""
+    side = joint.partition("_")[0]
+    return walked[side if side in walked else "right"]
 
 
 def _cloth(fabric):
@@ -82,9 +88,11 @@ def _itself(model, recorders):
 def summary_lines(results: dict) -> list[str]:
     """Lines for a person: how it went and what the garment does to every joint."""
     fit = results["dressing"]
+    held = f"on the shoulders, which carry {fit.get('carried', 0.0):.3f} N"
+    if "belt_tension" in fit:
+        held = f"belt {fit['belt_tension']:.2f} N, {fit['belt_pressed']:.1f} N of it on the body"
     lines = [
-        f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.2f} N, "
-        f"{fit['belt_pressed']:.1f} N of it on the body; dressed in {fit['seconds']:.1f} s, cloth "
+        f"weight {results['weight']:.3f} N; {held}; dressed in {fit['seconds']:.1f} s, cloth "
         f"stretched by {100 * fit['stretch']:.1f} %",
         f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body, "
         f"{1e3 * results['pinched_depth']:.1f} mm between segments that pinch, "
