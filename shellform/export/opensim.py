@@ -60,6 +60,11 @@ def export(run: str | Path, folder: str | Path, model: str = "rajagopal") -> dic
     members = complete_of(run)
     scene = read_scene(run / "scene.toml")
     wearer = wearer_of(scene)
+    if "lumbar" in wearer.joints:
+        raise ValueError(
+            f"{run}: its garment hangs on trunk and arms, and only loads of the lower body have "
+            "names in OpenSim's models here: export a run of trousers or a skirt"
+        )
     loads = segment_loads(wearer, [member.out / "ledger.csv" for member in members])
     if scene.output.parts == "distal":
         tables = [member.out / "torque.csv" for member in members]

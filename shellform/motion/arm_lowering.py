@@ -24,12 +24,11 @@ def arms_lowered(
     end : time [s] at which the arms are down; hold, seconds : [s] that they are held up, and let
         down in
     """
-    first = {name: track[0] for name, track in recording.points.items()}
     s = np.clip(np.linspace(-hold / seconds, 1.0, round(FRAMES * (1 + hold / seconds)) + 1), 0, 1)
     s = np.append(s, [1.0, 1.0, 1.0])  # at rest when the way ends
     up = 1.0 - s**3 * (10 - 15 * s + 6 * s**2)
-    frames = [arms_raised(first, angle * part) for part in up]
-    points = {name: np.stack([frame[name] for frame in frames]) for name in first}
+    first = {n: np.repeat(track[:1], len(s), axis=0) for n, track in recording.points.items()}
+    points = arms_raised(first, angle * up)
     step = (hold + seconds) / (len(s) - 4)
     times = end + step * (np.arange(len(s)) - (len(s) - 4))
     return Recording(times, points, recording.source)

@@ -104,15 +104,21 @@ def abduction(points: dict[str, np.ndarray]) -> float:
     return float(np.mean(angles))
 
 
-def arms_raised(points: dict[str, np.ndarray], angle: float) -> dict[str, np.ndarray]:
-    """Points (3, 3) [m] of all segments in one frame, arms turned by an angle [rad] outwards."""
-    _, rows = pose_from_markers(*points["thorax"][:, None])
-    ahead = anatomical_axes("thorax", rows)[0][:, 0]
+def arms_raised(
+    points: dict[str, np.ndarray], angle: float | np.ndarray, sides: tuple[str, ...] = SIDES
+) -> dict[str, np.ndarray]:
+    """Points (n, 3, 3) [m] of all segments, the arms turned outwards about their shoulders.
+
+    angle : [rad], one or (n,); sides : of the arms that are
+    """
+    thorax = points["thorax"]
+    _, rows = pose_from_markers(thorax[:, 0], thorax[:, 1], thorax[:, 2])
+    ahead = anatomical_axes("thorax", rows)[:, :, 0]
     out = dict(points)
-    for side in SIDES:
-        turn = Rotation.from_rotvec(SIGN[side] * angle * ahead)
-        shoulder = points[f"{side}_upper_arm"][0]
+    for side in sides:
+        turn = Rotation.from_rotvec(SIGN[side] * np.reshape(angle, (-1, 1)) * ahead).as_matrix()
+        shoulder = points[f"{side}_upper_arm"][:, :1]
         for part in ("upper_arm", "forearm"):
             name = f"{side}_{part}"
-            out[name] = shoulder + turn.apply(points[name] - shoulder)
+            out[name] = shoulder + np.einsum("nij,npj->npi", turn, points[name] - shoulder)
     return out

@@ -21,6 +21,7 @@ from .pattern import CLEAR, body_of
 from .shoulders import pattern_read
 
 STEPS = 1000  # of the relaxation
+OVER = 0.025  # of the cloth over the shoulders before it is sewn: arms are well within sleeves [m]
 ON_TOP = 0.95  # of the shoulders' semi-axis up, where the neck begins
 
 
@@ -38,10 +39,14 @@ def shirt_of(garment: Garment, wearer: Wearer, cell_size: float) -> Surface:
     pattern, body = pattern_read(garment), _across_shoulders(body_of(wearer), wearer)
     names = [name for name in wearer.names if not name.endswith("foot")]
     k = names.index("shoulders")
+    # patterns are drawn about x = y = 0: arms and trunk are brought there in the mean
+    arms = [names.index(f"{side}_upper_arm") for side in SIDES]
+    off = 0.5 * (body.centres[k] + body.centres[arms].mean(axis=0)) * [1.0, 1.0, 0.0]
+    body = body._replace(centres=body.centres - off)
     top = body.centres[k, 2] + ON_TOP * (body.radii[k, 1] - CLEAR)
-    axes, above = _axes(body, names, top), float(top + CLEAR)
+    axes, above = _axes(body, names, top), float(top + OVER)
     surface = sew(pattern, cell_size, axes, body, STEPS, above, threaded=True)
-    surface = prepare_shirt(surface)
+    surface = prepare_shirt(surface.transform(translation=off))
     if garment.place is not None:
         surface = surface.transform(translation=garment.place)
     height, middle, heading = stance(wearer)

@@ -57,12 +57,14 @@ def wearer_of(scene: Scene) -> Wearer:
                 np.inf if motion.end is None else motion.end,
             )
         try:
-            recording = read_motion(motion.file, window=window, **options_of(motion))
+            recording = read_motion(
+                motion.file, window=window, **options_of(motion), upper=shoulders
+            )
         except Mendable as error:
             raise Mendable(error.fact, error.mend, IN_SCENE) from None
     standing = standing_of(recording)
     if shoulders:
-        recording, standing = _with_upper_body(recording, standing, person.stature)
+        recording, standing = _with_upper_body(scene, recording, standing)
     if not at_rest(recording, standing):
         recording = gait_initiation(recording, standing, motion.initiation)
     wearer = Wearer(recording, ellipsoids_of(scene, recording))
@@ -85,13 +87,15 @@ def _check_shoulders(scene):
         )
 
 
-def _with_upper_body(recording, standing, stature):
+def _with_upper_body(scene, recording, standing):
     """Recording and standing pose with trunk and arms, for a garment that hangs on these."""
     # only here: other wearers have none
+    from shellform.motion.arms_off_trunk import arms_off_trunk
     from shellform.motion.upper_body import neutral, with_upper_body
 
-    stature = stature or recording.facts.get("stature")
+    stature = scene.person.stature or recording.facts.get("stature")
     recording = with_upper_body(recording, stature)
+    recording = arms_off_trunk(recording, ellipsoids_of(scene, recording))
     upper = neutral({name: points[None] for name, points in standing.items()}, stature)
     return recording, {**standing, **{name: track[0] for name, track in upper.items()}}
 

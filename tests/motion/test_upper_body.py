@@ -71,7 +71,8 @@ def test_what_a_motion_has_is_kept():
 def test_arms_come_down_into_the_first_frame():
     recording = whole()
     angle = np.radians(40.0)
-    raised = arms_raised(first(recording), angle)
+    tracks = arms_raised({n: p[None] for n, p in first(recording).items()}, angle)
+    raised = {name: track[0] for name, track in tracks.items()}
     assert abduction(raised) == pytest.approx(ABDUCTED + angle, abs=1e-12)
     down = arms_lowered(recording, angle, 2.0, 0.3, 0.9)
     place = int(np.argmin(np.abs(down.times - 2.0)))
