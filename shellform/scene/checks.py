@@ -41,6 +41,7 @@ RANGES = {
     "person.mass": (25, 250, "a mass in kg, as 80"),
     "garment.weld": (0, 0.02, "a distance in m, as 1e-4; 0 joins nothing"),
     "garment.max_elongation": (0.01, 5, "0.18 for woven cloth; knitted cloth bears more"),
+    "garment.seam_bending": (0.1, 100, "4 to 8 for cloth folded double; 1 as the cloth"),
     "garment.cell_size": (0.004, 0.1, "a length in m, as 0.025"),
     "contact.friction": (0, 10, "0.3 is usual for cloth on skin, 1 for rubber"),
     "contact.kinetic_friction": (0, 10, "not above the static friction"),

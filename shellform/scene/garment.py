@@ -207,6 +207,26 @@ def wrinkles_of(garment: Garment, surface: meshes.Surface, fabric: Sheet) -> str
     return garment.wrinkles
 
 
+def stiffer_at_seams(garment: Garment, surface: meshes.Surface) -> np.ndarray | None:
+    """Bending stiffness (m,) of the cells over that of the cloth; None where it is the same.
+
+    ValueError for a garment without seams that are known
+    """
+    if garment.seam_bending == 1.0:
+        return None
+    seams = [line for name, line in surface.edges.items() if name.startswith("seam_")]
+    if not seams:
+        raise ValueError(
+            f"garment.seam_bending = {garment.seam_bending:g} is of sewing patterns, and "
+            f"{surface.source} has no seams that are known: leave it out"
+        )
+    n = len(surface.points)
+    sewn = np.sort(np.concatenate(seams)[:, :2], axis=1) @ [n, 1]
+    corners = surface.cells[:, : 3 if surface.kind == "triangle" else 4]
+    sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2) @ [n, 1]
+    return np.where(np.isin(sides, sewn).any(axis=1), garment.seam_bending, 1.0)
+
+
 def made_by_measures(
     garment: Garment,
     pattern: meshes.Pattern,

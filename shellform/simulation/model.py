@@ -21,7 +21,7 @@ from shellform.fem.shell import Shell
 from shellform.motion.wearer import Wearer
 from shellform.scene.checks import check_dressing
 from shellform.scene.flesh import flesh_of
-from shellform.scene.garment import garment_of, wrinkles_of
+from shellform.scene.garment import garment_of, stiffer_at_seams, wrinkles_of
 from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene
 from shellform.scene.shoulders import hangs_on_shoulders
@@ -59,7 +59,8 @@ class Model:
         fabric = scene.cloth
         check_dressing(scene.steps.dressing, fabric)
         wrinkles = wrinkles_of(scene.garment, self.surface, fabric)
-        self.shell = Shell(self.surface, fabric, comm, wrinkles=wrinkles)
+        stiffer = stiffer_at_seams(scene.garment, self.surface)
+        self.shell = Shell(self.surface, fabric, comm, wrinkles=wrinkles, stiffer=stiffer)
         if scene.gravity:
             self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
         steps = scene.steps
