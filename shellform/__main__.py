@@ -62,6 +62,8 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 # midsurface = false        # of cloth exported with its thickness
 # max_elongation = 0.18     # of the dressed cloth; beyond it the run ends
 # measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
+# hangs = "shoulders"       # of a sewing pattern without sleeves; "waist"; by itself where it has
+# seam_bending = 4.0        # of cells beside the seams of a sewing pattern, over that of the cloth
 # wrinkles = "auto"         # those smaller than a cell: "relaxed", or "resolved" by cells alone
 
 [contact]

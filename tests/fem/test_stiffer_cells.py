@@ -49,7 +49,7 @@ def owned_force(shell, w):
 @pytest.mark.serial
 def test_a_strip_with_a_seam_is_bent():
     """By a moment at its end: it turns by moment over stiffness times length, part by part."""
-    surface = meshes.rectangle(0.06, 0.01, (12, 1))
+    surface = meshes.rectangle(0.06, 0.01, (6, 1))
     middle = surface.points[surface.cells].mean(axis=1)[:, 0]
     stiffer = np.where(np.abs(middle - 0.03) < 0.01, FACTOR, 1.0)
     shell = sf.Shell(surface, CLOTH, stiffer=stiffer)
