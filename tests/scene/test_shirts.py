@@ -191,5 +191,5 @@ def test_from_file_to_walked(size, tmp_path):
     results = run(scene, tmp_path / "out", lines=False)
     fit, weight = results["dressing"], results["weight"]
     assert fit["settled"] and fit["carried"] == pytest.approx(weight, rel=0.01)
-    assert fit["stretch"] < 0.05 and results["intersections"] == 0
+    assert fit["stretch"] < 0.1 and results["intersections"] == 0
     assert np.isfinite([j["peak_torque"] for j in results["joints"].values()]).all()
