@@ -67,7 +67,9 @@ def with_blocks(*languages):
     for page in PAGES:
         if any(block.language in languages for block in blocks_of(page)):
             slow = "<!-- page: slow -->" in page.read_text(encoding="utf-8")
-            marks = [pytest.mark.slow] if slow and "python" in languages else []
+            marks = (
+                [pytest.mark.slow, pytest.mark.thorough] if slow and "python" in languages else []
+            )
             found.append(pytest.param(page, id=named(page), marks=marks))
     return found
 

@@ -172,6 +172,7 @@ def test_equal_ensembles_do_not_differ(ensemble, capsys):
         compare_runs(out, out / "run_7")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_interrupted_ensemble_goes_on(ensemble, tmp_path):
     """Ctrl-C to the program alone stops the processes beside it too, and leaves what they have."""
