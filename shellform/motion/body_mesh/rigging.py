@@ -27,7 +27,7 @@ from .surface import BodySurface
 UP = np.array([0.0, 0.0, 1.0])
 ROUND = 0.2  # part of the range over which the slope of S comes and goes
 # joint: middle a0 and half A of the range [degree]; width b at a stature of STATURE [m]
-RANGES = {"hip": (0.0, 75.0, 0.080), "knee": (0.0, 70.0, 0.025), "ankle": (30.0, 45.0, 0.015)}
+RANGES = {"hip": (0.0, 75.0, 0.120), "knee": (0.0, 70.0, 0.025), "ankle": (30.0, 45.0, 0.015)}
 CROTCH = 0.160  # along the skin from the middle plane to what is a leg's alone [m]
 
 

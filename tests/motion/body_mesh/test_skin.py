@@ -114,6 +114,33 @@ def base_power(pose, book):
     return book[:, :3].sum(axis=0) @ pose.velocities[0] + moment @ pose.spins[0]
 
 
+def closed_legs(recording, angle):
+    """The recording with both legs turned towards each other by an angle."""
+    points = {name: np.array(track) for name, track in recording.points.items()}
+    for side, sign in (("right", 1.0), ("left", -1.0)):
+        hip = points[f"{side}_thigh"][:, :1].copy()
+        turn = Rotation.from_rotvec([sign * angle, 0.0, 0.0]).as_matrix()
+        for part in ("thigh", "shank", "foot"):
+            track = points[f"{side}_{part}"]
+            track[:] = hip + (track - hip) @ turn.T
+    return Recording(recording.times, points)
+
+
+def test_thighs_give_way_to_each_other(walk):
+    """Legs that close by 8 degrees each: carried by its segment alone a thigh passes the middle."""
+    wearer = wearer_of(closed_legs(walk.recording, np.radians(8.0)))
+    closed = skin_of(wearer, manikin(), STATURE, asked_girths(STATURE))
+    x = closed.positions(wearer.start, np.empty((closed.vertex_count, 3)))
+    pose, points = wearer.segment_pose(wearer.start, SEGMENTS), closed.skin["point"]
+    for side, sign in (("right", -1.0), ("left", 1.0)):
+        k = SEGMENTS.index(f"{side}_thigh")
+        inner = (closed.which[:, 0] == k) & (closed.weights[:, 0] > 0.9) & (points[:, 2] > 0.68)
+        turn = pose.axes[k].T @ closed.bound.axes[k]
+        rigid = pose.centres[k] + (points - closed.bound.centres[k]) @ turn.T
+        assert (sign * rigid[inner, 1]).min() < -0.008
+        assert (sign * x[inner, 1]).min() > 0.001
+
+
 def test_a_recording_without_feet(walk):
     recording = walk.recording
     points = {name: track for name, track in recording.points.items() if "foot" not in name}
