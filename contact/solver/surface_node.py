@@ -239,10 +239,13 @@ def hold(k: int, work: Any, planes: np.ndarray, over: np.ndarray) -> None:
 def squeezed(last: int, work: Any, planes: np.ndarray, over: np.ndarray) -> bool:
     """Whether a node lies inside both parts of the first two planes; then one of them is left.
 
+    Both sides of one thin part look alike: parts are told by their owners.
+
     last : owner touched in the last step, whose plane stays; else the first, which is nearer
     """
     p, q = planes[0], planes[1]
-    if min(p.depth, q.depth) <= INSIDE or _cosine(p.normal, q.normal) > OPPOSED:
+    opposed = p.owner != q.owner and _cosine(p.normal, q.normal) < OPPOSED
+    if not opposed or min(p.depth, q.depth) <= INSIDE:
         return False
     hold(1 if q.owner == last and p.owner != last else 0, work, planes, over)
     return True
@@ -343,7 +346,8 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
             u0, u1, u2 = drift(before, after, corners, met, b1, b2, h)
             above += n0 * u0 + n1 * u1 + n2 * u2
             facing = n0 * planes[0].normal[0] + n1 * planes[0].normal[1] + n2 * planes[0].normal[2]
-            if above < -INSIDE and work.depth > INSIDE and facing < OPPOSED:
+            apart = owners[met] != planes[0].owner and facing < OPPOSED
+            if apart and above < -INSIDE and work.depth > INSIDE:
                 held = True
                 break
             height = min(-above - work.tau, upward)
