@@ -20,7 +20,7 @@ import numpy as np
 
 from contact.solver.friction import Friction
 
-from .broad_phase import keep_near, list_pairs
+from .broad_phase import list_pairs, members_of
 from .features import Features
 from .rows import MARGIN, ROW, find_rows
 from .sweeps import LEFT, book, set_masses, speed_up, spread, sweep_kernel, wake
@@ -36,6 +36,11 @@ NEAR = 8.0  # part of the skin within which pairs are gone through in every step
 # (velocities (n, 3) by the impulses so far, whether nodes are in rows) -> nodes (k,) that touch a
 # body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves; None if there are none
 Respond = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray] | None]
+
+
+def new_list(size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Room for keys, distances and groups of pairs, see `list_pairs`."""
+    return np.empty(size, np.int64), np.empty(size), np.empty(size, np.int64)
 
 
 class SelfContactSolver:
@@ -75,7 +80,7 @@ class SelfContactSolver:
         self._thickness, self._recovery, self._skin = thickness, recovery, SKIN * size
         free = np.where(held, 0.0, 1.0) / mass[:, None]
         self.mobility = free[:, :, None] * np.eye(3)
-        self._found, self._due = np.empty(1024, np.int64), np.empty(0)
+        self._found, self._due = new_list(1024), np.empty(0)
         self._keys = np.empty(0, np.int64)
         self._rows, self._old = np.zeros(64, ROW), np.zeros(64, ROW)
         self.rows = self._rows[:0]
@@ -83,9 +88,10 @@ class SelfContactSolver:
         self._live = np.zeros(len(self._rest), bool)
         at_rest = np.empty_like(self._rest)  # in an order that no number of ranks changes
         at_rest[features.numbers] = self._rest
-        self._group = groups_of(at_rest, features.numbers[features.triangles])
+        group = groups_of(at_rest, features.numbers[features.triangles])
+        self._members = members_of(features, group)
         self.region = TrustRegion(
-            self._group, features.triangles, len(self._rest), own, MARGIN * thickness
+            group, features.triangles, len(self._rest), own, MARGIN * thickness
         )
         self._solved = True
         self.listings = self.sweeps = self.limited = 0
@@ -169,15 +175,15 @@ class SelfContactSolver:
         skin = max(self._skin, min(8.0 * float(region.step.max()), self._skin / SKIN))
         wanted, stale = self._thickness * (1.0 + MARGIN), region.stale(STALE * skin)
         while True:
-            found = list_pairs(x, *f[:4], f.numbers, self._group, stale, wanted + skin, self._found)
-            if found <= len(self._found):
+            found = list_pairs(
+                x, *f[:4], f.numbers, f.places, self._members, stale, wanted + skin, *self._found,
+            )  # fmt: skip
+            if found <= len(self._found[0]):
                 break
-            self._found = np.empty(2 * found, np.int64)
-        keys, distance = self._found[:found], np.empty(found)
-        found = keep_near(x, *f[:4], f.places, wanted + skin, keys, distance)
-        new, kept = keys[:found], ~stale.ravel()[self._groups]
-        groups = self._groups_of(new)
-        due = region.path.ravel()[groups] + distance[:found] - wanted
+            self._found = new_list(2 * found)
+        new, distance, groups = (part[:found] for part in self._found)
+        kept = ~stale.ravel()[self._groups]
+        due = region.path.ravel()[groups] + distance - wanted
         keys = np.concatenate([self._keys[kept], new])
         order = np.argsort(keys)
         self._keys = keys[order]
@@ -185,15 +191,6 @@ class SelfContactSolver:
         self._groups = np.concatenate([self._groups[kept], groups])[order]
         self.listings += 1
         region.begin_list(x, skin, wanted, stale)
-
-    def _groups_of(self, keys):
-        """Places (k,) in the paths of the groups of pairs."""
-        f, group, corners = self.features, self._group, len(self._rest) * len(self.features.owns)
-        point, m, k = keys < corners, len(f.triangles), len(f.edges)
-        corner, edge = np.where(point, keys, 0), np.where(point, 0, keys - corners)
-        one = np.where(point, f.first_corner[corner // m], f.first_side[edge // k])
-        other = np.where(point, corner % m, f.first_side[edge % k])
-        return group[one] * len(self.region.path) + group[other]
 
     def _find(self, x, v, dt):
         f, region = self.features, self.region
