@@ -23,7 +23,7 @@ from contact.solver.friction import Friction
 from .broad_phase import list_pairs, members_of
 from .features import Features
 from .rows import MARGIN, ROW, find_rows
-from .sweeps import LEFT, book, set_masses, speed_up, spread, sweep_kernel, wake
+from .sweeps import LEFT, book, speed_up, spread, turn_kernel, wake
 from .trust_region import TrustRegion, groups_of
 
 SWEEPS = 300  # at most, between two answers of the body
@@ -35,6 +35,7 @@ NEAR = 8.0  # part of the skin within which pairs are gone through in every step
 
 # (velocities (n, 3) by the impulses so far, whether nodes are in rows) -> nodes (k,) that touch a
 # body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves; None if there are none
+NO_BODY = np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3, 3))
 Respond = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray] | None]
 
 
@@ -93,6 +94,7 @@ class SelfContactSolver:
         self.region = TrustRegion(
             group, features.triangles, len(self._rest), own, MARGIN * thickness
         )
+        self._work = np.empty_like(self._rest), np.empty_like(self._rest)
         self._solved = True
         self.listings = self.sweeps = self.limited = 0
         self.closest = np.inf
@@ -215,27 +217,20 @@ class SelfContactSolver:
 
     def _relax(self, v, respond):
         """Impulses of the rows for velocities v without them."""
-        rows, sweep = self.rows, sweep_kernel(self.friction.kinetic_coefficient)
-        parameters, mobility = np.array(self.friction.parameters, float), self.mobility
-        self.sweeps, left, scale, held, swept = 0, 0.0, 0.0, None, v
+        rows, one_turn = self.rows, turn_kernel(self.friction.kinetic_coefficient)
+        parameters = np.array(self.friction.parameters, float)
+        now, swept = self._work
+        self.sweeps, left, scale = 0, 0.0, 0.0
         for turn in range(1 if respond is None else TURNS):
-            now = v.copy()
-            speed_up(rows, mobility, now)
+            now, swept = swept, now
+            speed_up(rows, self.mobility, v, now)
             held = None if respond is None else respond(now, self._live)
-            if held is not None:
-                nodes, after, left_free = held
-                now[nodes], free = after, mobility[nodes]
-                if turn and np.abs(after - swept[nodes]).max() <= LEFT_BY_BODY * scale:
-                    break
-                mobility[nodes] = left_free
-            set_masses(rows, mobility, self._mass)
-            swept = now
-            done, first, left, scale = sweep(rows, swept, mobility, parameters, SWEEPS)
+            done, settled, left, scale = one_turn(
+                rows, now, self.mobility, self._mass, *(held or NO_BODY), swept, turn, left, scale,
+                parameters, SWEEPS, LEFT_BY_BODY,
+            )  # fmt: skip
             self.sweeps += done
-            if held is None:
-                break
-            mobility[nodes] = free
-            if first <= LEFT_BY_BODY * scale:
+            if held is None or settled:
                 break
         else:
             self.limited += left <= LEFT * scale

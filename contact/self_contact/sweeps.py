@@ -90,8 +90,14 @@ def spread(rows: np.ndarray, impulse: np.ndarray) -> None:
 
 
 @kernel(makes_arrays=False)
-def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray) -> None:
-    """Add what rows (k,) ROW change to velocities v (n, 3) [m/s]; mobility (n, 3, 3) [1/kg]."""
+def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray, after: np.ndarray) -> None:
+    """Fill after (n, 3) with velocities v (n, 3) and what rows (k,) ROW change of them [m/s].
+
+    mobility : (n, 3, 3) [1/kg]
+    """
+    for i in range(len(v)):
+        for c in range(3):
+            after[i, c] = v[i, c]
     for k in range(len(rows)):
         row = rows[k]
         for a in range(4):
@@ -102,7 +108,7 @@ def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray) -> None:
                     + row.rub[0] * row.sliding[0, a, c]
                     + row.rub[1] * row.sliding[1, a, c]
                 )
-                v[i, c] += mobility[i, c, c] * given
+                after[i, c] += mobility[i, c, c] * given
 
 
 @kernel(makes_arrays=False)
@@ -205,6 +211,54 @@ def sweep_kernel(kinetic_coefficient: Callable) -> Any:
         return most, first, worst, scale
 
     return sweep
+
+
+@kernel(makes_arrays=False)
+def swap_mobilities(mobility: np.ndarray, nodes: np.ndarray, others: np.ndarray) -> None:
+    """Exchange the mobilities (n, 3, 3) of nodes (k,) with others (k, 3, 3)."""
+    for k in range(len(nodes)):
+        for c in range(3):
+            for e in range(3):
+                one = mobility[nodes[k], c, e]
+                mobility[nodes[k], c, e] = others[k, c, e]
+                others[k, c, e] = one
+
+
+@cache
+def turn_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel of one turn of body and sweeps, for a law of friction.
+
+    Its arguments are those of the sweep, and besides:
+
+    mass : (n,) [kg]; nodes, after, free : (k,), (k, 3), (k, 3, 3), those that the body holds, their
+        velocities by it [m/s], and the mobilities that it leaves [1/kg]
+    swept : (n, 3), velocities of the turn before [m/s]; turn : int; left, scale : as it returned
+    close : part of the scale within which body and sweeps agree
+
+    Returns the number of sweeps, whether body and sweeps agree, what the last sweep found lacking
+    and the speed that impulses change [m/s].
+    """
+    sweep = sweep_kernel(kinetic_coefficient)
+
+    @kernel(makes_arrays=False)
+    def one_turn(
+        rows, v, mobility, mass, nodes, after, free, swept, turn, left, scale, parameters, most,
+        close,
+    ):  # fmt: skip
+        worst = 0.0
+        for k in range(len(nodes)):
+            for c in range(3):
+                v[nodes[k], c] = after[k, c]
+                worst = max(worst, abs(after[k, c] - swept[nodes[k], c]))
+        if turn > 0 and len(nodes) and worst <= close * scale:
+            return 0, True, left, scale
+        swap_mobilities(mobility, nodes, free)
+        set_masses(rows, mobility, mass)
+        done, first, left, scale = sweep(rows, v, mobility, parameters, most)
+        swap_mobilities(mobility, nodes, free)
+        return done, first <= close * scale, left, scale
+
+    return one_turn
 
 
 @kernel(makes_arrays=False)
