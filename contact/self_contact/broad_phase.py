@@ -163,6 +163,13 @@ def pick(
 
 
 @kernel(makes_arrays=False)
+def along(x: np.ndarray, i: int) -> tuple[float, float, float, float]:
+    """Places of a point along the four space diagonals, times the root of 3."""
+    a, b, c = x[i, 0], x[i, 1], x[i, 2]
+    return a + b + c, a + b - c, a - b + c, b + c - a
+
+
+@kernel(makes_arrays=False)
 def overlap(a: float, b: float, c: float, d: float, far: float) -> bool:
     """Whether the intervals ab and cd come closer than `far`, without a branch."""
     return (min(a, b) <= max(c, d) + far) & (min(c, d) <= max(a, b) + far)
@@ -172,13 +179,32 @@ def overlap(a: float, b: float, c: float, d: float, far: float) -> bool:
 def edges_near(x: np.ndarray, a: int, b: int, c: int, d: int, reach: float) -> bool:
     """Whether edges ab and cd share no node and come closer than a reach along space diagonals."""
     far = 1.7320508075688772 * reach
-    a0, a1, a2, b0, b1, b2 = x[a, 0], x[a, 1], x[a, 2], x[b, 0], x[b, 1], x[b, 2]
-    c0, c1, c2, d0, d1, d2 = x[c, 0], x[c, 1], x[c, 2], x[d, 0], x[d, 1], x[d, 2]
-    near = overlap(a0 + a1 + a2, b0 + b1 + b2, c0 + c1 + c2, d0 + d1 + d2, far)
-    near &= overlap(a0 + a1 - a2, b0 + b1 - b2, c0 + c1 - c2, d0 + d1 - d2, far)
-    near &= overlap(a0 - a1 + a2, b0 - b1 + b2, c0 - c1 + c2, d0 - d1 + d2, far)
-    near &= overlap(a1 + a2 - a0, b1 + b2 - b0, c1 + c2 - c0, d1 + d2 - d0, far)
+    a0, a1, a2, a3 = along(x, a)
+    b0, b1, b2, b3 = along(x, b)
+    c0, c1, c2, c3 = along(x, c)
+    d0, d1, d2, d3 = along(x, d)
+    near = overlap(a0, b0, c0, d0, far) & overlap(a1, b1, c1, d1, far)
+    near &= overlap(a2, b2, c2, d2, far) & overlap(a3, b3, c3, d3, far)
     return near & (a != c) & (a != d) & (b != c) & (b != d)
+
+
+@kernel(makes_arrays=False)
+def between(p: float, a: float, b: float, c: float, far: float) -> bool:
+    """Whether p lies among a, b and c, or no farther outside than `far`, without a branch."""
+    return (p <= max(a, b, c) + far) & (p >= min(a, b, c) - far)
+
+
+@kernel(makes_arrays=False)
+def point_near(x: np.ndarray, p: int, a: int, b: int, c: int, reach: float) -> bool:
+    """The same of point p and triangle abc."""
+    far = 1.7320508075688772 * reach
+    p0, p1, p2, p3 = along(x, p)
+    a0, a1, a2, a3 = along(x, a)
+    b0, b1, b2, b3 = along(x, b)
+    c0, c1, c2, c3 = along(x, c)
+    near = between(p0, a0, b0, c0, far) & between(p1, a1, b1, c1, far)
+    near &= between(p2, a2, b2, c2, far) & between(p3, a3, b3, c3, far)
+    return near & (p != a) & (p != b) & (p != c)
 
 
 @kernel(makes_arrays=False)
@@ -254,22 +280,22 @@ def sweep(
             meets = (l0 <= box_two[other, 3]) & (box_two[other, 0] <= h0)
             meets &= (l1 <= box_two[other, 4]) & (box_two[other, 1] <= h1)
             count += meets & (l2 <= box_two[other, 5]) & (box_two[other, 2] <= h2)
-        if a < n:
-            for other in range(count):
-                f = near[other] - n - k
-                if a == triangles[f, 0] or a == triangles[f, 1] or a == triangles[f, 2]:
-                    continue
-                key = numbers[a] * m + f
-                found = keep(x, key, pair, features, reach, work, found, keys, distance, of)
-            continue
-        e, left = a - n, 0
+        left = 0
         for other in range(count):
-            f = near[other] - n
-            near[left] = f
-            left += edges_near(x, edges[e, 0], edges[e, 1], edges[f, 0], edges[f, 1], reach)
+            b = near[other] - n
+            if a < n:
+                f = near[left] = b - k
+                p, q, r = triangles[f, 0], triangles[f, 1], triangles[f, 2]
+                left += point_near(x, a, p, q, r, reach)
+            else:
+                near[left] = b
+                p, q, r = edges[a - n, 0], edges[a - n, 1], edges[b, 0]
+                left += edges_near(x, p, q, r, edges[b, 1], reach)
         for other in range(left):
             f = near[other]
-            key = n * m + min(e, f) * k + max(e, f)
+            key = numbers[min(a, n - 1)] * m + f
+            if a >= n:
+                key = n * m + min(a - n, f) * k + max(a - n, f)
             found = keep(x, key, pair, features, reach, work, found, keys, distance, of)
     return found
 
