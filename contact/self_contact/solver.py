@@ -106,11 +106,16 @@ class SelfContactSolver:
     def needs(self, dt: float) -> bool:
         """Whether a step of dt [s] has to be looked at, by `region`; if not, there are no rows.
 
+        Nothing has to where positions or velocities are not finite: the stepper will say so.
+
         Raises
         ------
         FloatingPointError where parts of the sheet pass each other by a cell in the step
         """
-        self._listing, self._nearing, measuring = self.region.advance(dt)
+        self._listing, self._nearing, measuring, finite = self.region.advance(dt)
+        if not finite:
+            self.restore(self.rows[:0])
+            return False
         if self._listing and not self.region.step.max() < self._skin / SKIN:
             self.restore(self.rows[:0])
             raise FloatingPointError(
@@ -160,9 +165,9 @@ class SelfContactSolver:
         """
         return self.rows if self._solved else self.rows[:0]
 
-    def losses(self, before: np.ndarray, after: np.ndarray) -> tuple[float, float]:
-        """What pushes and friction took [J], see `book`."""
-        return book(self.rows, before, after)
+    def book(self, before: np.ndarray, after: np.ndarray, losses: np.ndarray) -> None:
+        """Add what pushes and friction took to losses (2,) [J], see `sweeps.book`."""
+        book(self.rows, before, after, losses)
 
     def restore(self, rows: np.ndarray) -> None:
         """Go on from the rows (k,) ROW of a step before."""
@@ -185,7 +190,7 @@ class SelfContactSolver:
             self._found = new_list(2 * found)
         new, distance, groups = (part[:found] for part in self._found)
         kept = ~stale.ravel()[self._groups]
-        due = region.path.ravel()[groups] + distance - wanted
+        due = region.flat_path[groups] + distance - wanted
         keys = np.concatenate([self._keys[kept], new])
         order = np.argsort(keys)
         self._keys = keys[order]
@@ -196,7 +201,6 @@ class SelfContactSolver:
 
     def _find(self, x, v, dt):
         f, region = self.features, self.region
-        path, step = region.path.ravel(), region.step.ravel()
         if self._listing or self._nearing:
             region.set_common(v)
             region.begin_near(self._skin / NEAR)
@@ -204,8 +208,8 @@ class SelfContactSolver:
         while True:
             found, slack, nearest = find_rows(
                 x, self._rest, v, f.piece, f.places, *f[:4], self._keys, self._due, self._groups,
-                self._near, path, step, self._thickness, self._recovery, dt, self._mass, self.kept,
-                self._old,
+                self._near, region.flat_path, region.flat_step, self._thickness, self._recovery,
+                dt, self._mass, self.kept, self._old,
             )  # fmt: skip
             if found <= len(self._old):
                 break
