@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from contact.body.pose_check import body_jumps
 from contact.body.segment_sets import SETS as BITS
 from contact.body.segments import Body, Pose
+from contact.kernel import kernel
 
 from .correction_step import correction_kernel
 from .friction import Friction
@@ -39,6 +40,24 @@ from .step_record import (
 from .supporting_planes import PLANE
 
 LOOKS = 1 + LOOK + GUARDS * GUARD  # numbers a node in `VelocityCorrection.looks`
+
+
+@kernel(makes_arrays=False)
+def mark_touching(
+    nodes: np.ndarray,
+    v: np.ndarray,
+    away: np.ndarray,
+    segment: np.ndarray,
+    time: float,
+    motion: float,
+    least: float,
+    may: np.ndarray,
+) -> None:
+    """Fill may (k,) bool, see `VelocityCorrection.may_touch`, for a time of 2 dt [s]."""
+    for k in range(len(nodes)):
+        way = time * np.sqrt(v[k, 0] ** 2 + v[k, 1] ** 2 + v[k, 2] ** 2)
+        near = not away[nodes[k]] > way + motion and way > least
+        may[k] = near or segment[nodes[k]] >= 0
 
 
 class VelocityCorrection(NodeCorrection):
@@ -153,9 +172,10 @@ class VelocityCorrection(NodeCorrection):
         By what the last step has found: a node that the body reaches suddenly is missed, and one
         that does not touch it yet and goes by less than `least` [m] in two steps.
         """
-        way = 2.0 * dt * np.sqrt((v * v).sum(axis=1))
-        near = ~(self._away[nodes] > way + float(self._work["motion"])) & (way > least)
-        return near | (self.segment[nodes] >= 0)
+        may = np.empty(len(nodes), np.bool_)
+        motion = float(self._work["motion"])
+        mark_touching(nodes, v, self._away, self.segment, 2.0 * dt, motion, least, may)
+        return may
 
     def preview(
         self,
@@ -174,13 +194,17 @@ class VelocityCorrection(NodeCorrection):
         Returns their velocities (k, 3), how many are pushed and how many of them stick.
         """
         self._move(t, t + dt)
-        k, step, scratch = len(nodes), self._step.copy(), self._scratch
-        if scratch is None or len(scratch[0]) < k:
+        k, scratch = len(nodes), self._scratch
+        if scratch is None or len(scratch[3]) < k:
+            # records are copied as bytes: field by field it takes longer than all else
+            step = self._step.copy()
             scratch = self._scratch = (
+                step, step.view(np.uint8), self._step.view(np.uint8),
                 np.zeros((2 * k, GUARDS, GUARD)), np.zeros((LOOK, 2 * k)), np.zeros(2 * k),
                 np.zeros((2, 2 * k, 3)), np.zeros((2, *self.last.table.shape)), np.zeros(0),
             )  # fmt: skip
-        guards, look, away, impulse, table, beds = scratch
+        step, asked, own, guards, look, away, impulse, table, beds = scratch
+        asked[:] = own
         correct = self._correct
         if friction is not None:
             set_friction(step, friction)
