@@ -55,7 +55,8 @@ def members_of(f: Features, group: np.ndarray) -> Members:
         order = np.argsort(of, kind="stable")
         begins = np.searchsorted(of[order], np.arange(group.max() + 2))
         found += [np.ascontiguousarray(place[order], np.int64), begins.astype(np.int64)]
-    return Members(*found, np.full(1, -1))
+    found.append(np.full(1, -1))
+    return Members(*found)
 
 
 @kernel(makes_arrays=False)
