@@ -3,8 +3,8 @@
 
     python -m shellform.simulation.one_run OUT [--dressed FILE]
 
-plays scene.toml of the folder OUT, or goes on from the checkpoint there. The command `shellform run`
-would play the other runs too, which somebody else is playing.
+plays scene.toml of the folder OUT, or goes on from the checkpoint there. `shellform run` would play
+the other runs too, which somebody else is playing.
 """
 
 import argparse
