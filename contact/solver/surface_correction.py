@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from contact.body.segment_sets import bits_of
 from contact.body.segments import Body, Pose
 from contact.body.surface_motion import SurfaceMotion
-from contact.geometry.triangle_mesh.carried import new_acting
+from contact.geometry.triangle_mesh.carried import forget_acting, new_acting
 from contact.geometry.triangle_mesh.closest import STACK
 from contact.geometry.triangle_mesh.placed import greatest_move, new_placed, refit
 from contact.geometry.triangle_mesh.smooth import most_raised
@@ -99,6 +99,7 @@ class SurfaceCorrection(NodeCorrection):
         self._mesh: Any = None
         self._start: Any = None
         self._end: Any = None
+        self._scratch: Any = None  # of `_ask`
 
     def _kernel_of(self, friction: Friction) -> Any:
         return surface_kernel(friction.kinetic_coefficient)
@@ -126,12 +127,7 @@ class SurfaceCorrection(NodeCorrection):
         self._check(x, v, mass, old, dt, t)
         self._move(t, t + dt)
         last, window = self.last, self.window
-        bad = self._correct(
-            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._sheet, self._near,
-            self._room, self._away, self._step, self._smooth, self._highest, self._mesh,
-            self._start, self._end, self._planes, self._over, self._stack, self._bounds,
-            self._owners, last.impulse, window.impulse, self._acting,
-        )  # fmt: skip
+        bad = self._correct_all(x, v, old, mass, dt)
         if bad:
             self._refuse(bad - 1, x, v, mass, t)
         last.table[:] = 0.0
@@ -143,6 +139,41 @@ class SurfaceCorrection(NodeCorrection):
             window.table += last.table
         last.seconds = dt
         window.seconds += dt
+
+    def _correct_all(self, x, v, old, mass, dt):
+        """Correct v of all nodes; 0, or the number + 1 of a node that is not finite."""
+        last, window = self.last, self.window
+        return self._correct(
+            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._sheet, self._near,
+            self._room, self._away, self._step, self._smooth, self._highest, self._mesh,
+            self._start, self._end, self._planes, self._over, self._stack, self._bounds,
+            self._owners, last.impulse, window.impulse, self._acting, self._beds_of(slice(None)),
+        )  # fmt: skip
+
+    def _beds_of(self, nodes):
+        """What the kernel of a node wants besides, of some nodes."""
+        return ()
+
+    def _ask(self, nodes, x, v, old, mass, dt, step, correct):
+        k, scratch = len(nodes), self._scratch
+        if scratch is None or len(scratch[0]) < k:
+            scratch = self._scratch = (
+                np.zeros(2 * k), np.zeros((2 * k, ROOM)), np.zeros((2, 2 * k, 3)),
+                new_acting(self.surface.vertex_count),
+            )  # fmt: skip
+        away, room, impulse, acting = scratch
+        room[:k, 0] = 0.0
+        look = np.take(self._look, nodes, axis=1)
+        look[3] = -1.0
+        sets = np.take(self._sets, nodes, axis=1)
+        correct(
+            x, v, old, mass, dt, self.fixed[nodes], sets, look,
+            np.take(self._sheet, nodes, axis=1), self._near[nodes], room[:k], away[:k],
+            step, self._smooth, self._highest, self._mesh, self._start, self._end, self._planes,
+            self._over, self._stack, self._bounds, self._owners, impulse[0, :k], impulse[1, :k],
+            acting, self._beds_of(nodes),
+        )  # fmt: skip
+        forget_acting(acting)
 
     def _place(self, t, placed):
         self.surface.positions(t, placed.vertices)
@@ -194,6 +225,8 @@ class SurfaceCorrection(NodeCorrection):
 
     def _move(self, start, end):
         """Surfaces at the two times; the end of one step usually is the start of the next."""
+        if start == self._start_time and end == self._end_time:
+            return  # the same step once more, with other velocities
         if self._mesh is None:
             self._begin(start)
         elif not self.surface.moves:

@@ -288,16 +288,17 @@ def book_surface(
 
 @cache
 def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel meet_surface(x, v, mass, found, second, other, local, ...) of a law of friction.
+    """Kernel meet_surface(i, x, v, mass, found, second, other, local, ...) of a law of friction.
 
-    x, v : (3,), position at t [m] and velocity [m/s], unchanged; `work.change` is filled
+    i : int, number of the node; x, v : (3,), position at t [m] and velocity [m/s], unchanged;
+        `work.change` is filled
     found : triangle, b1, b2, distance, normal, smooth or not at the start, see `gap_at`
     second : the same of what faces another way, if there is `other`
     local : whether nothing but the sheet found is near
     last : owner touched in the last step; asked : sets of triangles that count
     highest : of the smooth surface over the flat one [m]
     planes (PLANES,) PLANE, over (PLANES,) int, stack, bounds : scratch
-    owners : (nt,) int; acting : Acting, added to
+    owners : (nt,) int; acting : Acting, added to; beds : (), as the body is hard
 
     Returns the triangle that pushes most, or -1; the triangle looked at last; the depth [m] of
     the start.
@@ -306,8 +307,8 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
 
     @kernel(makes_arrays=False)
     def meet_surface(
-        x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
-        end, planes, over, stack, bounds, owners, acting,
+        i, x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
+        end, planes, over, stack, bounds, owners, acting, beds,
     ):  # fmt: skip
         for c in range(3):
             work.free[c] = work.dt * v[c]

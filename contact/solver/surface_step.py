@@ -109,8 +109,10 @@ def room_left(
 
 
 @cache
-def surface_kernel(kinetic_coefficient: Callable) -> Any:
+def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_node_kernel) -> Any:
     """Kernel correct(x, v, old, mass, dt, ...) of a law of friction, see `SurfaceCorrection`.
+
+    of_node : gives the kernel that a node meets the surface by; beds : what that one wants besides
 
     0, or the number + 1 of a node that is not finite.
 
@@ -120,12 +122,12 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
     away (n,), planes (PLANES,), over (PLANES,), stack, bounds : work
     impulse (n, 3), acting Acting : of this step, filled; window (n, 3) : added to
     """
-    meet_surface = surface_node_kernel(kinetic_coefficient)
+    meet_surface = of_node(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
     def correct(
         x, v, old, mass, dt, fixed, sets, look, sheet, last, room, away, step, smooth, highest,
-        mesh, start, end, planes, over, stack, bounds, owners, impulse, window, acting,
+        mesh, start, end, planes, over, stack, bounds, owners, impulse, window, acting, beds,
     ):  # fmt: skip
         work = step[0]
         work.dt, work.recovery = dt, work.recovery_speed * dt
@@ -215,8 +217,8 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
             for c in range(3):
                 work.kick[c] = v[i, c] - old[i, c]
             pushing, near, depth = meet_surface(
-                x[i], v[i], mass[i], found, second, other, local, touched, smooth, asked, highest,
-                work, mesh, start, end, planes, over, stack, bounds, owners, acting,
+                i, x[i], v[i], mass[i], found, second, other, local, touched, smooth, asked,
+                highest, work, mesh, start, end, planes, over, stack, bounds, owners, acting, beds,
             )  # fmt: skip
             last[i] = near
             if work.pushing == -1:

@@ -119,7 +119,7 @@ def test_turning_by_the_angle_never_folds():
     half = rigging.RANGES["knee"][1]
     angle = np.linspace(-120, 120, 4001)
     limit = 2 * half * (1 - 0.5 * rigging.ROUND)
-    assert limit == pytest.approx(126.0)
+    assert limit == pytest.approx(108.0)
     for bend, rises in ((0.999 * limit, True), (1.01 * limit, False)):
         assert (np.diff(angle + bend * ramp(angle / half)) > 0).all() == rises
 
