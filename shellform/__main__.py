@@ -151,6 +151,12 @@ def parser() -> argparse.ArgumentParser:
         default="rajagopal",
         help="whose names and signs the coordinates have (default: %(default)s)",
     )
+    export.add_argument(
+        "--osim",
+        type=Path,
+        metavar="FILE",
+        help="your own model: its hips are put at the wearer's, its sizes compared",
+    )
     export.add_argument("--folder", type=Path, help="for the files (default: opensim in OUT)")
     report = kinds.add_parser(
         "report", allow_abbrev=False, help="write a page of one or more runs, for any browser"
@@ -257,7 +263,7 @@ def _export(options: argparse.Namespace) -> None:
         from shellform.export.opensim import export, export_lines
 
         folder = options.folder or options.out / options.to
-        console.say(export_lines(export(options.out, folder, options.model), folder))
+        console.say(export_lines(export(options.out, folder, options.model, options.osim), folder))
 
     _by_rank_0(write)
 

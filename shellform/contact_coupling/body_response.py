@@ -3,8 +3,8 @@
 
 The contact of the body is asked in advance, as often as sweeps need it; it is computed and booked
 once, afterwards. From its answers: nodes that stick to the body cannot move, those that slide move
-along it. Its normal is the direction of the push without friction. Asked are nodes that touched
-the body in the step before, and fast ones that were near it.
+along it, and those on flesh go into it too. Its normal is the direction of the push without
+friction. Asked are nodes that touched the body in the step before, and fast ones that were near.
 """
 
 from typing import Any
@@ -14,7 +14,6 @@ import numpy as np
 from contact.kernel import kernel
 from contact.self_contact.solver import Respond
 from contact.solver.friction import Friction
-from contact.solver.velocity_correction import VelocityCorrection
 
 FRICTIONLESS = Friction(0.0)
 SLIDES = 1e-6  # of the normal impulse: friction this near to the kinetic one is that of slip
@@ -26,6 +25,7 @@ def leave(
     after: np.ndarray,
     pushes: np.ndarray,
     kinetic: float,
+    give: np.ndarray,
     held: np.ndarray,
     free: np.ndarray,
     left: np.ndarray,
@@ -35,6 +35,7 @@ def leave(
     u, after : (k, 3), velocities that it was given and that it made of them, of which those held by
         supports, held (k, 3) bool, are set back [m/s]
     pushes : (k, 3), along its normals, where it pushes without friction; kinetic : coefficient
+    give : (k,), part of a change along the normal that it leaves, see `normal_give` of corrections
     """
     for i in range(len(u)):
         pushed, along, square, size = False, 0.0, 0.0, 0.0
@@ -64,45 +65,53 @@ def leave(
                         one = (a == c) - pushes[i, a] * pushes[i, c] / size
                         other = (a == e) - pushes[i, a] * pushes[i, e] / size
                         left[i, c, e] += one * free[i, a, a] * other
+        if pushed and size > 0.0 and give[i] > 0.0:
+            normal = 0.0
+            for a in range(3):
+                normal += free[i, a, a] * pushes[i, a] * pushes[i, a] / size
+            for c in range(3):
+                for e in range(3):
+                    left[i, c, e] += give[i] * normal * pushes[i, c] * pushes[i, e] / size
 
 
-def response(
-    correction: VelocityCorrection, cloth: Any, stepper: Any, x: np.ndarray, dt: float
-) -> Respond:
+def response(correction: Any, cloth: Any, stepper: Any, x: np.ndarray, dt: float) -> Respond:
     """Answers of a body in a step of dt [s], for `SelfContactSolver.solve`.
 
-    correction : contact of the nodes; cloth : ExplicitSelfContact; x : (n_owned, 3), positions [m]
+    correction : NodeCorrection or UnionCorrection of the nodes; cloth : ExplicitSelfContact
+    x : (n_owned, 3), positions [m]
     """
     comm, own = stepper.shell.comm, cloth.own
-    mobility = cloth.solver.mobility
     normals: list[np.ndarray] = []
+    asked: list[Any] = []  # nodes, and what does not change between the turns of a step
 
     def respond(v, live):
-        near = np.flatnonzero(live[own])
-        touching = near[correction.may_touch(near, stepper.v_old[near], dt, 0.5 * cloth.thickness)]
+        if not asked:
+            near = np.flatnonzero(live[own])
+            may = correction.may_touch(near, stepper.v_old[near], dt, 0.5 * cloth.thickness)
+            nodes = near[may]
+            whole = nodes + own.start
+            free = cloth.solver.mobility[whole]
+            asked.extend((nodes, whole, x[nodes], stepper.mass[nodes], cloth.held[nodes], free))
+        mine = answer(v, *asked) if len(asked[0]) else None
         if comm.size == 1:
-            return answer(touching, v[touching]) if len(touching) else None
-        mine = answer(touching, v[own][touching]) if len(touching) else None
+            return mine
         found = [part for part in comm.allgather(mine) if part is not None]
         return tuple(map(np.concatenate, zip(*found, strict=True))) if found else None
 
-    def answer(nodes, u):
-        """Those of nodes (k,) of this rank at velocities u (k, 3)."""
-        y, mass = x[nodes], stepper.mass[nodes]
+    def answer(v, nodes, whole, y, mass, held, free):
+        """Those of nodes (k,) of this rank at velocities v (n, 3) of all."""
+        u, left = v[whole], np.empty_like(free)
         ask = correction.preview
         after, active, sticking = ask(nodes, y, u, mass, dt, stepper.time)
-        whole = nodes + own.start
-        free = mobility[whole]
-        left = np.empty_like(free)
-        if sticking < active and not len(normals):
+        give = correction.normal_give(nodes, dt)
+        if (sticking < active or give.any()) and not normals:
             normal = after - u
             if correction.friction.static > 0.0:
                 normal = ask(nodes, y, u, mass, dt, stepper.time, FRICTIONLESS)[0] - u
             normals.append(normal)
         kinetic = correction.friction.kinetic
-        leave(
-            u, after, normals[0] if normals else after - u, kinetic, cloth.held[nodes], free, left
-        )
+        pushes = normals[0] if normals else after - u
+        leave(u, after, pushes, kinetic, give, held, free, left)
         return whole, after, left
 
     return respond

@@ -7,6 +7,7 @@ nodal field w, brought up to date at the end of each `advance`.
 
 import weakref
 from collections.abc import Callable
+from numbers import Real
 from typing import Any
 
 from petsc4py import PETSc
@@ -271,8 +272,8 @@ class Stepper:
 
 def check_time(until: float) -> None:
     """ValueError for a time that no number of steps reaches."""
-    if not np.isfinite(until):
-        raise ValueError(f"steps lead to a finite time in s, not to {until}")
+    if not isinstance(until, Real) or not np.isfinite(until):
+        raise ValueError(f"steps lead to a finite time in s, not to {until!r}")
 
 
 class _Context:
