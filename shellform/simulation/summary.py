@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 from shellform.material.card import fabric_of
-from shellform.motion.gait.strides import strides
+from shellform.motion.gait.strides import side_of, strides
 from shellform.results.joint_torque import resistance
 from shellform.results.report import Report
 from shellform.scene.parts import PARTS
@@ -27,7 +27,7 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
     return (
         {
             "joints": {
-                j: resistance(joints.rows, j, _strides(walked, j), wearer.start, counted)
+                j: resistance(joints.rows, j, walked[side_of(j)], wearer.start, counted)
                 for j in joints.joints
             },
             "counted_s": list(counted),
@@ -50,12 +50,6 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
         | _cloth(scene.cloth)
         | _itself(model, recorders)
     )
-
-
-def _strides(walked, joint):
-    """Strides of a joint's side; of the trunk, which has none, those of the right foot."""
-    side = joint.partition("_")[0]
-    return walked[side if side in walked else "right"]
 
 
 def _cloth(fabric):
@@ -137,11 +131,11 @@ def torque_lines(results: dict) -> list[str]:
         lines.append(f"mean of {runs} runs and its standard error")
     wide = 18 if runs > 1 else 10
     titles = ("peak N m", "rms N m", "work J", "resisted J")
-    lines.append(f"{'joint':>12}" + "".join(f" {title:>{wide}}" for title in titles))
+    lines.append(f"{'joint':>14}" + "".join(f" {title:>{wide}}" for title in titles))
     for joint, row in results["joints"].items():
-        lines.append(f"{joint:>12}" + _numbers(row, wide))
+        lines.append(f"{joint:>14}" + _numbers(row, wide))
         if "mean_stride" in row:
-            lines.append(f"{'its stride':>12}" + _numbers(row["mean_stride"], wide))
+            lines.append(f"{'its stride':>14}" + _numbers(row["mean_stride"], wide))
     return lines
 
 

@@ -18,11 +18,12 @@ import pytest
 import shellform as sf
 from shellform.__main__ import main
 from shellform.errors import Unstable
-from shellform.results.mean_torque import mean_rows, read_courses
+from shellform.results.mean_torque import Course, mean_rows, read_courses
 from shellform.scene.parts import Steps
 from shellform.scene.scene_file import write_scene
 from shellform.simulation import members
 from shellform.simulation.ensemble import compare_runs, counted_courses, resume, run
+from shellform.simulation.ensemble import numbers as numbers_of
 from shellform.simulation.members import (
     APART,
     Member,
@@ -224,3 +225,16 @@ def test_ensemble_on_two_ranks(ensemble, tmp_path):
     assert program.returncode == 0, program.stderr[-2000:]
     for name in ("torque.csv", "torque_mean.csv", "run_1/torque.csv", "run_2/torque.csv"):
         assert (out / name).read_bytes() == (ensemble[0] / name).read_bytes()
+
+
+def test_joints_of_the_trunk_have_strides_too():
+    """Those of the right foot; whoever has no arms has no such joints."""
+    recording = sf.synthetic_walk(strides=2, obstacle=0.0)
+    times = recording.times[1:]
+    torque = np.array([np.sin(3.0 * times), np.sin(3.1 * times)])
+    course = Course(times, np.diff(recording.times), torque, torque**2)
+    joints, _ = numbers_of(
+        dict.fromkeys(("lumbar", "right_elbow", "left_elbow"), course), recording
+    )
+    assert joints["lumbar"] == joints["right_elbow"]
+    assert joints["left_elbow"]["rms_torque"] == joints["lumbar"]["rms_torque"] > 0.5
