@@ -6,6 +6,8 @@ Such a wearer has trunk and arms; others do not, nor is anything of these import
 
 from __future__ import annotations
 
+import json
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,12 +26,20 @@ def is_pattern(garment: Garment) -> bool:
 
 def pattern_read(garment: Garment) -> SewingPattern:
     """The pattern of a garment's file; MeshError for one that is wrong."""
+    assert garment.file is not None
+    path = Path(garment.file)
+    changed = path.stat().st_mtime_ns if path.is_file() else 0
+    unit = None if garment.unit == "m" else garment.unit
+    return _read(path, changed, garment.size, unit, json.dumps([garment.stitches, garment.about]))
+
+
+@lru_cache(maxsize=4)  # wearer, garment and plan ask for the same one
+def _read(path: Path, changed: int, size: str | None, unit: str | None, more: str) -> SewingPattern:
     # only here: other garments are not sewn
     from meshes.patterns import read_pattern
 
-    assert garment.file is not None
-    unit = None if garment.unit == "m" else garment.unit
-    return read_pattern(garment.file, garment.size, unit, garment.stitches or (), garment.about)
+    stitches, about = json.loads(more)
+    return read_pattern(path, size, unit, stitches or (), about)
 
 
 def hangs_on_shoulders(garment: Garment) -> bool:
