@@ -19,7 +19,6 @@ class Features(NamedTuple):
     owns : (m, 6) bool, whether a triangle is the first with its corner k, and with its side k
     piece : (n,) int, which connected piece of the sheet a node belongs to
     numbers, places : (n,) int, of places and of nodes: keys of pairs are made of numbers
-    first_corner, first_side : (n,), (e,) int, the owner of every corner, by numbers, and edge
     """
 
     triangles: np.ndarray
@@ -29,8 +28,6 @@ class Features(NamedTuple):
     piece: np.ndarray
     numbers: np.ndarray
     places: np.ndarray
-    first_corner: np.ndarray
-    first_side: np.ndarray
 
 
 def features(triangles: np.ndarray, numbers: np.ndarray) -> Features:
@@ -49,19 +46,17 @@ def features(triangles: np.ndarray, numbers: np.ndarray) -> Features:
     edges, first_side, sides = np.unique(
         ends.reshape(-1, 2), axis=0, return_index=True, return_inverse=True
     )
-    corners, first_corner = np.unique(triangles.ravel(), return_index=True)
+    _, first_corner = np.unique(triangles.ravel(), return_index=True)
     owns = np.zeros((2, m * 3), bool)
     owns[0, first_corner], owns[1, first_side] = True, True
     owns = owns.reshape(2, m, 3).transpose(1, 0, 2).reshape(m, 6)
     graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(n, n))
     piece = connected_components(graph, directed=False)[1].astype(np.int64)
     sides = np.ascontiguousarray(sides.reshape(m, 3), np.int64)
-    owner = np.zeros(n, np.int64)
-    owner[corners] = first_corner // 3
     places = np.empty(n, np.int64)
     places[numbers] = np.arange(n)
     numbers = np.ascontiguousarray(numbers, np.int64)
     return Features(
         places[triangles], places[edges], sides, np.ascontiguousarray(owns), piece[numbers],
-        numbers, places, owner, first_side // 3,
+        numbers, places,
     )  # fmt: skip

@@ -156,6 +156,7 @@ def find_rows(
     before one of those near needs a look, and the least distance of a row
     """
     nodes, w, r, work = np.empty(4, np.int64), np.empty(4), np.empty(3), np.empty((15, 3))
+    w_rest, r_rest = np.empty(4), np.empty(3)
     corners, found, at, least, closest_row = len(x) * len(triangles), 0, 0, np.inf, np.inf
     reach = thickness * (1.0 + MARGIN)
     for k in near:
@@ -175,13 +176,12 @@ def find_rows(
         gap = thickness
         if piece[nodes[0]] == piece[nodes[3]]:
             first, _ = closest(
-                rest, key, corners, triangles, edges, sides, owns, places, nodes, w, r
+                rest, key, corners, triangles, edges, sides, owns, places, nodes, w_rest, r_rest
             )
             if first < 0.99 * thickness:
                 gap = 0.5 * first
             elif first < 1.01 * thickness:
                 gap = 0.99 * thickness
-            d, _ = closest(x, key, corners, triangles, edges, sides, owns, places, nodes, w, r)
             if d - gap - MARGIN * thickness >= own:
                 continue
         if found < len(rows):

@@ -20,10 +20,10 @@ import numpy as np
 
 from contact.solver.friction import Friction
 
-from .broad_phase import keep_near, list_pairs
+from .broad_phase import list_pairs, members_of
 from .features import Features
 from .rows import MARGIN, ROW, find_rows
-from .sweeps import LEFT, book, set_masses, speed_up, spread, sweep_kernel, wake
+from .sweeps import LEFT, book, speed_up, spread, turn_kernel, wake
 from .trust_region import TrustRegion, groups_of
 
 SWEEPS = 300  # at most, between two answers of the body
@@ -35,7 +35,13 @@ NEAR = 8.0  # part of the skin within which pairs are gone through in every step
 
 # (velocities (n, 3) by the impulses so far, whether nodes are in rows) -> nodes (k,) that touch a
 # body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves; None if there are none
+NO_BODY = np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3, 3))
 Respond = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray] | None]
+
+
+def new_list(size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Room for keys, distances and groups of pairs, see `list_pairs`."""
+    return np.empty(size, np.int64), np.empty(size), np.empty(size, np.int64)
 
 
 class SelfContactSolver:
@@ -75,7 +81,7 @@ class SelfContactSolver:
         self._thickness, self._recovery, self._skin = thickness, recovery, SKIN * size
         free = np.where(held, 0.0, 1.0) / mass[:, None]
         self.mobility = free[:, :, None] * np.eye(3)
-        self._found, self._due = np.empty(1024, np.int64), np.empty(0)
+        self._found, self._due = new_list(1024), np.empty(0)
         self._keys = np.empty(0, np.int64)
         self._rows, self._old = np.zeros(64, ROW), np.zeros(64, ROW)
         self.rows = self._rows[:0]
@@ -83,10 +89,12 @@ class SelfContactSolver:
         self._live = np.zeros(len(self._rest), bool)
         at_rest = np.empty_like(self._rest)  # in an order that no number of ranks changes
         at_rest[features.numbers] = self._rest
-        self._group = groups_of(at_rest, features.numbers[features.triangles])
+        group = groups_of(at_rest, features.numbers[features.triangles])
+        self._members = members_of(features, group)
         self.region = TrustRegion(
-            self._group, features.triangles, len(self._rest), own, MARGIN * thickness
+            group, features.triangles, len(self._rest), own, MARGIN * thickness
         )
+        self._work = np.empty_like(self._rest), np.empty_like(self._rest)
         self._solved = True
         self.listings = self.sweeps = self.limited = 0
         self.closest = np.inf
@@ -98,11 +106,16 @@ class SelfContactSolver:
     def needs(self, dt: float) -> bool:
         """Whether a step of dt [s] has to be looked at, by `region`; if not, there are no rows.
 
+        Nothing has to where positions or velocities are not finite: the stepper will say so.
+
         Raises
         ------
         FloatingPointError where parts of the sheet pass each other by a cell in the step
         """
-        self._listing, self._nearing, measuring = self.region.advance(dt)
+        self._listing, self._nearing, measuring, finite = self.region.advance(dt)
+        if not finite:
+            self.restore(self.rows[:0])
+            return False
         if self._listing and not self.region.step.max() < self._skin / SKIN:
             self.restore(self.rows[:0])
             raise FloatingPointError(
@@ -152,9 +165,9 @@ class SelfContactSolver:
         """
         return self.rows if self._solved else self.rows[:0]
 
-    def losses(self, before: np.ndarray, after: np.ndarray) -> tuple[float, float]:
-        """What pushes and friction took [J], see `book`."""
-        return book(self.rows, before, after)
+    def book(self, before: np.ndarray, after: np.ndarray, losses: np.ndarray) -> None:
+        """Add what pushes and friction took to losses (2,) [J], see `sweeps.book`."""
+        book(self.rows, before, after, losses)
 
     def restore(self, rows: np.ndarray) -> None:
         """Go on from the rows (k,) ROW of a step before."""
@@ -169,15 +182,15 @@ class SelfContactSolver:
         skin = max(self._skin, min(8.0 * float(region.step.max()), self._skin / SKIN))
         wanted, stale = self._thickness * (1.0 + MARGIN), region.stale(STALE * skin)
         while True:
-            found = list_pairs(x, *f[:4], f.numbers, self._group, stale, wanted + skin, self._found)
-            if found <= len(self._found):
+            found = list_pairs(
+                x, *f[:4], f.numbers, f.places, self._members, stale, wanted + skin, *self._found,
+            )  # fmt: skip
+            if found <= len(self._found[0]):
                 break
-            self._found = np.empty(2 * found, np.int64)
-        keys, distance = self._found[:found], np.empty(found)
-        found = keep_near(x, *f[:4], f.places, wanted + skin, keys, distance)
-        new, kept = keys[:found], ~stale.ravel()[self._groups]
-        groups = self._groups_of(new)
-        due = region.path.ravel()[groups] + distance[:found] - wanted
+            self._found = new_list(2 * found)
+        new, distance, groups = (part[:found] for part in self._found)
+        kept = ~stale.ravel()[self._groups]
+        due = region.flat_path[groups] + distance - wanted
         keys = np.concatenate([self._keys[kept], new])
         order = np.argsort(keys)
         self._keys = keys[order]
@@ -186,18 +199,8 @@ class SelfContactSolver:
         self.listings += 1
         region.begin_list(x, skin, wanted, stale)
 
-    def _groups_of(self, keys):
-        """Places (k,) in the paths of the groups of pairs."""
-        f, group, corners = self.features, self._group, len(self._rest) * len(self.features.owns)
-        point, m, k = keys < corners, len(f.triangles), len(f.edges)
-        corner, edge = np.where(point, keys, 0), np.where(point, 0, keys - corners)
-        one = np.where(point, f.first_corner[corner // m], f.first_side[edge // k])
-        other = np.where(point, corner % m, f.first_side[edge % k])
-        return group[one] * len(self.region.path) + group[other]
-
     def _find(self, x, v, dt):
         f, region = self.features, self.region
-        path, step = region.path.ravel(), region.step.ravel()
         if self._listing or self._nearing:
             region.set_common(v)
             region.begin_near(self._skin / NEAR)
@@ -205,8 +208,8 @@ class SelfContactSolver:
         while True:
             found, slack, nearest = find_rows(
                 x, self._rest, v, f.piece, f.places, *f[:4], self._keys, self._due, self._groups,
-                self._near, path, step, self._thickness, self._recovery, dt, self._mass, self.kept,
-                self._old,
+                self._near, region.flat_path, region.flat_step, self._thickness, self._recovery,
+                dt, self._mass, self.kept, self._old,
             )  # fmt: skip
             if found <= len(self._old):
                 break
@@ -218,27 +221,20 @@ class SelfContactSolver:
 
     def _relax(self, v, respond):
         """Impulses of the rows for velocities v without them."""
-        rows, sweep = self.rows, sweep_kernel(self.friction.kinetic_coefficient)
-        parameters, mobility = np.array(self.friction.parameters, float), self.mobility
-        self.sweeps, left, scale, held, swept = 0, 0.0, 0.0, None, v
+        rows, one_turn = self.rows, turn_kernel(self.friction.kinetic_coefficient)
+        parameters = np.array(self.friction.parameters, float)
+        now, swept = self._work
+        self.sweeps, left, scale = 0, 0.0, 0.0
         for turn in range(1 if respond is None else TURNS):
-            now = v.copy()
-            speed_up(rows, mobility, now)
+            now, swept = swept, now
+            speed_up(rows, self.mobility, v, now)
             held = None if respond is None else respond(now, self._live)
-            if held is not None:
-                nodes, after, left_free = held
-                now[nodes], free = after, mobility[nodes]
-                if turn and np.abs(after - swept[nodes]).max() <= LEFT_BY_BODY * scale:
-                    break
-                mobility[nodes] = left_free
-            set_masses(rows, mobility, self._mass)
-            swept = now
-            done, first, left, scale = sweep(rows, swept, mobility, parameters, SWEEPS)
+            done, settled, left, scale = one_turn(
+                rows, now, self.mobility, self._mass, *(held or NO_BODY), swept, turn, left, scale,
+                parameters, SWEEPS, LEFT_BY_BODY,
+            )  # fmt: skip
             self.sweeps += done
-            if held is None:
-                break
-            mobility[nodes] = free
-            if first <= LEFT_BY_BODY * scale:
+            if held is None or settled:
                 break
         else:
             self.limited += left <= LEFT * scale

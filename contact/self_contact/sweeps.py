@@ -90,8 +90,14 @@ def spread(rows: np.ndarray, impulse: np.ndarray) -> None:
 
 
 @kernel(makes_arrays=False)
-def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray) -> None:
-    """Add what rows (k,) ROW change to velocities v (n, 3) [m/s]; mobility (n, 3, 3) [1/kg]."""
+def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray, after: np.ndarray) -> None:
+    """Fill after (n, 3) with velocities v (n, 3) and what rows (k,) ROW change of them [m/s].
+
+    mobility : (n, 3, 3) [1/kg]
+    """
+    for i in range(len(v)):
+        for c in range(3):
+            after[i, c] = v[i, c]
     for k in range(len(rows)):
         row = rows[k]
         for a in range(4):
@@ -102,7 +108,7 @@ def speed_up(rows: np.ndarray, mobility: np.ndarray, v: np.ndarray) -> None:
                     + row.rub[0] * row.sliding[0, a, c]
                     + row.rub[1] * row.sliding[1, a, c]
                 )
-                v[i, c] += mobility[i, c, c] * given
+                after[i, c] += mobility[i, c, c] * given
 
 
 @kernel(makes_arrays=False)
@@ -208,8 +214,76 @@ def sweep_kernel(kinetic_coefficient: Callable) -> Any:
 
 
 @kernel(makes_arrays=False)
-def book(rows: np.ndarray, before: np.ndarray, after: np.ndarray) -> tuple[float, float]:
-    """What rows (k,) ROW took by pushes and by friction [J].
+def swap_mobilities(mobility: np.ndarray, nodes: np.ndarray, others: np.ndarray) -> None:
+    """Exchange the mobilities (n, 3, 3) of nodes (k,) with others (k, 3, 3)."""
+    for k in range(len(nodes)):
+        for c in range(3):
+            for e in range(3):
+                one = mobility[nodes[k], c, e]
+                mobility[nodes[k], c, e] = others[k, c, e]
+                others[k, c, e] = one
+
+
+@kernel(makes_arrays=False)
+def clear(impulse: np.ndarray, nodes: np.ndarray, factor: float) -> None:
+    """Multiply what stands in impulse (n, 3) at nodes (k,) by a factor."""
+    for k in range(len(nodes)):
+        for c in range(3):
+            impulse[nodes[k], c] = factor * impulse[nodes[k], c] if factor else 0.0
+
+
+@cache
+def turn_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel of one turn of body and sweeps, for a law of friction.
+
+    Its arguments are those of the sweep, and besides:
+
+    mass : (n,) [kg]; nodes, after, free : (k,), (k, 3), (k, 3, 3), those that the body holds, their
+        velocities by it [m/s], and the mobilities that it leaves [1/kg]
+    swept : (n, 3), velocities of the turn before [m/s]; turn : int; left, scale : as it returned
+    close : part of the scale within which body and sweeps agree
+
+    They agree where the answer to the last turn is near to what sweeps left (swept, which is then
+    written over), and where the first sweep changed little, or all sweeps little at these nodes:
+    the body would be asked the same.
+
+    Returns the number of sweeps, whether body and sweeps agree, what the last sweep found lacking
+    and the speed that impulses change [m/s].
+    """
+    sweep = sweep_kernel(kinetic_coefficient)
+
+    @kernel(makes_arrays=False)
+    def one_turn(
+        rows, v, mobility, mass, nodes, after, free, swept, turn, left, scale, parameters, most,
+        close,
+    ):  # fmt: skip
+        worst = 0.0
+        for k in range(len(nodes)):
+            for c in range(3):
+                v[nodes[k], c] = after[k, c]
+                worst = max(worst, abs(after[k, c] - swept[nodes[k], c]))
+        if turn > 0 and len(nodes) and worst <= close * scale:
+            return 0, True, left, scale
+        clear(swept, nodes, 0.0)
+        spread(rows, swept)
+        clear(swept, nodes, -1.0)
+        swap_mobilities(mobility, nodes, free)
+        set_masses(rows, mobility, mass)
+        done, first, left, scale = sweep(rows, v, mobility, parameters, most)
+        swap_mobilities(mobility, nodes, free)
+        spread(rows, swept)
+        asked = 0.0
+        for k in range(len(nodes)):
+            for c in range(3):
+                asked = max(asked, abs(mobility[nodes[k], c, c] * swept[nodes[k], c]))
+        return done, min(first, 2.0 * asked) <= close * scale, left, scale
+
+    return one_turn
+
+
+@kernel(makes_arrays=False)
+def book(rows: np.ndarray, before: np.ndarray, after: np.ndarray, losses: np.ndarray) -> None:
+    """Add what rows (k,) ROW took by pushes and by friction to losses (2,) [J].
 
     before, after : (n, 3), velocities before the forces and when all have had their say [m/s]
     """
@@ -223,4 +297,5 @@ def book(rows: np.ndarray, before: np.ndarray, after: np.ndarray) -> tuple[float
                 pressed -= row.push * row.weights[a] * row.normal[c] * mean
                 rubbed -= row.rub[0] * row.sliding[0, a, c] * mean
                 rubbed -= row.rub[1] * row.sliding[1, a, c] * mean
-    return pressed, rubbed
+    losses[0] += pressed
+    losses[1] += rubbed

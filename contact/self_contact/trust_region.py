@@ -168,6 +168,7 @@ class TrustRegion:
     Attributes
     ----------
     path, step : (k, k) [m], so far and in the next step
+    flat_path, flat_step : (k k,), the same arrays
     limit, near_limit : (k, k) [m], paths up to which the list, and those near in it, hold
     moved : (2, k), of this rank, to be made the greatest over all
     """
@@ -185,6 +186,7 @@ class TrustRegion:
         self._before, self._fresh = np.zeros((own.stop - own.start, 3)), True
         self._common, self._apart, self._last_dt = np.zeros((k, 3)), np.zeros((k, k)), 0.0
         self.moved, self.path, self.step = np.zeros((2, k)), np.zeros((k, k)), np.zeros((k, k))
+        self.flat_path, self.flat_step = self.path.ravel(), self.step.ravel()
         self.limit, self.near_limit = np.full((2, k, k), -np.inf)
         self._allowance = allowance
         self._mark, self._slack = np.zeros((k, k)), -np.inf
@@ -199,17 +201,18 @@ class TrustRegion:
         )  # fmt: skip
         return self.moved
 
-    def advance(self, dt: float) -> tuple[bool, bool, bool]:
+    def advance(self, dt: float) -> tuple[bool, bool, bool, bool]:
         """Go on by a step of dt [s], by `moved`.
 
-        Returns whether pairs have to be listed, those near chosen, and any measured.
+        Returns whether pairs have to be listed, those near chosen, and any measured, and whether
+        all motion is finite.
         """
         listing, nearing, used = advance(
             self.moved, self._apart, self._last_dt, dt, self.path, self.step, self._mark,
             self.limit, self.near_limit, self._allowance,
         )  # fmt: skip
         self._last_dt = dt
-        return listing, nearing, not used < self._slack
+        return listing, nearing, not used < self._slack, used < np.inf
 
     def forget(self) -> None:
         """Nothing is known: positions have been set by others."""

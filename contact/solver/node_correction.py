@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contact.kernel import kernel
+
 from .contact_ledger import Ledger
 from .friction import Friction, as_friction
 from .step_record import (
@@ -24,6 +26,24 @@ from .step_record import (
 )
 
 EVERY = 2**63 - 1  # all segments
+
+
+@kernel(makes_arrays=False)
+def mark_touching(
+    nodes: np.ndarray,
+    v: np.ndarray,
+    away: np.ndarray,
+    segment: np.ndarray,
+    time: float,
+    motion: float,
+    least: float,
+    may: np.ndarray,
+) -> None:
+    """Fill may (k,) bool, see `NodeCorrection.may_touch`, for a time of 2 dt [s]."""
+    for k in range(len(nodes)):
+        way = time * np.sqrt(v[k, 0] ** 2 + v[k, 1] ** 2 + v[k, 2] ** 2)
+        near = not away[nodes[k]] > way + motion and way > least
+        may[k] = near or segment[nodes[k]] >= 0
 
 
 class NodeCorrection:
@@ -78,6 +98,7 @@ class NodeCorrection:
         self._step = step_record(self._friction, self._offset)
         self._step["recovery_speed"] = recovery
         self._work = self._step[0]
+        self._asked: tuple | None = None  # of `preview`
         self.last, self.window = Ledger(nodes, segments), Ledger(nodes, segments)
         self._start_time: float | None = None
         self._end_time: float | None = None
@@ -103,9 +124,10 @@ class NodeCorrection:
         By what the last step has found: a node that the body reaches suddenly is missed, and one
         that does not touch it yet and goes by less than `least` [m] in two steps.
         """
-        way = 2.0 * dt * np.sqrt((v * v).sum(axis=1))
-        near = ~(self._away[nodes] > way + float(self._work["motion"])) & (way > least)
-        return near | (self.segment[nodes] >= 0)
+        may = np.empty(len(nodes), np.bool_)
+        motion = float(self._work["motion"])
+        mark_touching(nodes, v, self._away, self.segment, 2.0 * dt, motion, least, may)
+        return may
 
     def preview(
         self,
@@ -124,7 +146,13 @@ class NodeCorrection:
         Returns their velocities (k, 3), how many are pushed and how many of them stick.
         """
         self._move(t, t + dt)
-        step, correct = self._step.copy(), self._correct
+        if self._asked is None:
+            # records are copied as bytes: field by field it takes longer than all else
+            copied = self._step.copy()
+            self._asked = copied, copied.view(np.uint8), self._step.view(np.uint8)
+        step, asked, own = self._asked
+        asked[:] = own
+        correct = self._correct
         if friction is not None:
             set_friction(step, friction)
             correct = self._kernel_of(friction)

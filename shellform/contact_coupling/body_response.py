@@ -4,8 +4,7 @@
 The contact of the body is asked in advance, as often as sweeps need it; it is computed and booked
 once, afterwards. From its answers: nodes that stick to the body cannot move, those that slide move
 along it, and those on flesh go into it too. Its normal is the direction of the push without
-friction. Asked are nodes that touched
-the body in the step before, and fast ones that were near it.
+friction. Asked are nodes that touched the body in the step before, and fast ones that were near.
 """
 
 from typing import Any
@@ -82,36 +81,37 @@ def response(correction: Any, cloth: Any, stepper: Any, x: np.ndarray, dt: float
     x : (n_owned, 3), positions [m]
     """
     comm, own = stepper.shell.comm, cloth.own
-    mobility = cloth.solver.mobility
     normals: list[np.ndarray] = []
+    asked: list[Any] = []  # nodes, and what does not change between the turns of a step
 
     def respond(v, live):
-        near = np.flatnonzero(live[own])
-        touching = near[correction.may_touch(near, stepper.v_old[near], dt, 0.5 * cloth.thickness)]
+        if not asked:
+            near = np.flatnonzero(live[own])
+            may = correction.may_touch(near, stepper.v_old[near], dt, 0.5 * cloth.thickness)
+            nodes = near[may]
+            whole = nodes + own.start
+            free = cloth.solver.mobility[whole]
+            asked.extend((nodes, whole, x[nodes], stepper.mass[nodes], cloth.held[nodes], free))
+        mine = answer(v, *asked) if len(asked[0]) else None
         if comm.size == 1:
-            return answer(touching, v[touching]) if len(touching) else None
-        mine = answer(touching, v[own][touching]) if len(touching) else None
+            return mine
         found = [part for part in comm.allgather(mine) if part is not None]
         return tuple(map(np.concatenate, zip(*found, strict=True))) if found else None
 
-    def answer(nodes, u):
-        """Those of nodes (k,) of this rank at velocities u (k, 3)."""
-        y, mass = x[nodes], stepper.mass[nodes]
+    def answer(v, nodes, whole, y, mass, held, free):
+        """Those of nodes (k,) of this rank at velocities v (n, 3) of all."""
+        u, left = v[whole], np.empty_like(free)
         ask = correction.preview
         after, active, sticking = ask(nodes, y, u, mass, dt, stepper.time)
-        whole = nodes + own.start
-        free = mobility[whole]
-        left = np.empty_like(free)
         give = correction.normal_give(nodes, dt)
-        if (sticking < active or give.any()) and not len(normals):
+        if (sticking < active or give.any()) and not normals:
             normal = after - u
             if correction.friction.static > 0.0:
                 normal = ask(nodes, y, u, mass, dt, stepper.time, FRICTIONLESS)[0] - u
             normals.append(normal)
-        leave(
-            u, after, normals[0] if normals else after - u, correction.friction.kinetic, give,
-            cloth.held[nodes], free, left,
-        )  # fmt: skip
+        kinetic = correction.friction.kinetic
+        pushes = normals[0] if normals else after - u
+        leave(u, after, pushes, kinetic, give, held, free, left)
         return whole, after, left
 
     return respond

@@ -143,7 +143,7 @@ class ExplicitContact(RunningContact):
         self.inner = None
         k: Any = 0 if samples == "nodes" else samples
         self.edges = self.pressed = None
-        self.cloth: Any = None
+        self.cloth = None
         if self_contact is not None:
             # only here: its kernels are loaded for those who ask for it
             from .explicit_self_contact import ExplicitSelfContact

@@ -134,9 +134,7 @@ class ExplicitSelfContact(Part):
         moved = region.measure(x, stepper.v_old)
         if comm.size > 1:
             comm.Allreduce(MPI.IN_PLACE, moved, MPI.MAX)
-        if not np.isfinite(moved).all():
-            solver.restore(solver.rows[:0])  # the stepper will say so, and may go back
-        elif solver.needs(dt):
+        if solver.needs(dt):
             respond = None if body is None else response(body, self, stepper, x, dt)
             met = solver.solve(self.whole(x), self.whole(v), self.whole(stepper.v_old), dt, respond)
         self.pairs = len(solver.rows)
@@ -149,7 +147,7 @@ class ExplicitSelfContact(Part):
     def book(self, stepper: Any) -> None:
         """Add the losses of the last step, once all have had their say; all ranks call."""
         start = time.perf_counter()
-        self.losses += self.solver.losses(self.whole(stepper.v_old), self.whole(stepper.v))
+        self.solver.book(self.whole(stepper.v_old), self.whole(stepper.v), self.losses)
         self.seconds += time.perf_counter() - start
 
     def whole(self, owned: np.ndarray) -> np.ndarray:

@@ -118,10 +118,7 @@ class RunningContact(Part):
         pinched
     friction : contact.solver.friction.Friction, the law
     seconds : float, time the contact has cost
-    cloth : Part or None, contact of the sheet with itself that goes with it
     """
-
-    cloth: Part | None = None
 
     body: Any
     last: Any

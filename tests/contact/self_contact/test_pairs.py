@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from contact.self_contact.broad_phase import keep_near, list_pairs
+from contact.self_contact.broad_phase import list_pairs, members_of
 from contact.self_contact.closest_points import closest, on_edges, on_triangle
 from contact.self_contact.intersections import count_intersections
 from tests.contact.self_contact.meshes_of_triangles import crossings, featured, sheet, together
@@ -42,23 +42,26 @@ def test_two_edges():
         assert d >= min(tried) - np.linalg.norm(x[1] - x[0]) / 400
 
 
-def pairs_of(points, f, reach):
-    n, keys = len(f.first_corner), np.empty(200_000, np.int64)
-    group = np.zeros(len(f.triangles), np.int64)
-    found = list_pairs(points, *f[:4], f.numbers, group, np.ones((1, 1), bool), reach, keys)
+def pairs_of(points, f, reach, groups=1):
+    """Keys and distances of the list of groups of triangles that are neighbours by number."""
+    m = len(f.triangles)
+    members = members_of(f, np.arange(m) * groups // m)
+    keys, distance, of = np.empty(200_000, np.int64), np.empty(200_000), np.empty(200_000, np.int64)
+    found = list_pairs(
+        points, *f[:4], f.numbers, f.places, members, np.ones((groups, groups), bool), reach, keys,
+        distance, of,
+    )  # fmt: skip
     assert found <= len(keys)
-    distance = np.empty(found)
-    kept = keep_near(points, *f[:4], f.places, reach, keys[:found], distance)
-    assert n == len(points)
-    return keys[:kept], distance[:kept]
+    return keys[:found], distance[:found]
 
 
-def test_list_is_that_of_all_with_all():
+@pytest.mark.parametrize("groups", [1, 7])
+def test_list_is_that_of_all_with_all(groups):
     points, cells = together(
         sheet(5, wave=0.1), sheet(4, height=0.05, turn=0.3), sheet(3, 0.2, 9.0)
     )
     f, reach = featured(points, cells), 0.12
-    keys, _ = pairs_of(points, f, reach)
+    keys, _ = pairs_of(points, f, reach, groups)
     assert len(np.unique(keys)) == len(keys)
     m, e = len(f.triangles), len(f.edges)
     found, wanted = set(keys.tolist()), set()
