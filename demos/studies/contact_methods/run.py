@@ -65,7 +65,7 @@ def sleeve(flesh: Flesh | None) -> tuple[float, Newmark]:
 
 def drape(flesh: Flesh | None) -> tuple[float, Newmark]:
     """The same of the weight of a square on a sphere."""
-    shell, ball = scenes.square_on_a_ball(12)
+    shell, ball = scenes.square_on_a_ball(6)
     stepper = Newmark(shell, 0.8, drag=8.0, damping=1e-3)
     contact = stepper.add(Contact(ball, 0.3, flesh=flesh))
     stepper.advance(3.0)
