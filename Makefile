@@ -16,11 +16,10 @@ test test-slice test-thorough: export SHELLFORM_FORM_CFLAGS := -O0 -g0
 # mpirun gives its ranks a terminal even where there is none.
 PYTEST := $(PYTHON) -m pytest -q --color=$(if $(MAKE_TERMOUT),yes,no)
 
-# Roll-up, drape, a short walk; ranks; director, shell, statics, Newmark's steps; dolfinx itself.
+# On 1 rank: roll-up, drape, a short walk; starting ranks; weak forms, dolfinx itself. On 2: those
+# again, director, statics, Newmark's steps.
 SLICE := tests/demos/test_demos.py tests/simulation/test_run.py tests/test_parallel.py \
-  tests/test_launcher.py tests/fem/test_dolfinx_compat.py tests/fem/test_director.py \
-  tests/fem/test_shell.py tests/statics/test_load_stepping.py tests/dynamics/test_explicit.py \
-  tests/dynamics/test_implicit.py
+  tests/test_launcher.py tests/fem/test_dolfinx_compat.py tests/fem/test_shell.py
 
 ON_RANKS := tests/demos/test_demos.py tests/simulation/test_run.py tests/fem/test_director.py \
   tests/statics/test_load_stepping.py tests/dynamics/test_explicit.py tests/dynamics/test_implicit.py

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Pages of the reference, one a room: every module of it with its public names.
 
-What `shellform` and `meshes` give at once has a page in docs/api; the room refers to it.
+A name with a page in docs/api, as all of `shellform` and `meshes`, is referred to by its room.
 """
 
 import importlib
@@ -13,7 +13,7 @@ from pathlib import Path
 PACKAGES = ("shellform", "contact", "meshes")
 API = Path(__file__).parent / "api"
 FOLDER = API / "rooms"
-PUBLIC = re.compile(r"^\.\. auto\w+:: (\w+)\.(\w+)$", re.M)
+PUBLIC = re.compile(r"^\.\. auto\w+:: ([\w.]+)\.(\w+)$", re.M)
 
 
 @cache

@@ -62,6 +62,8 @@ obstacle_m = 0.5            # of the synthetic walk, in its third stride; 0 for 
 # midsurface = false        # of cloth exported with its thickness
 # max_elongation = 0.18     # of the dressed cloth; beyond it the run ends
 # measures_m = { waist = 1.0, hip = 1.17, thigh = 0.78, knee = 0.58, hem = 0.44 }
+# hangs = "shoulders"       # of a sewing pattern without sleeves; "waist"; by itself where it has
+# seam_bending = 4.0        # of cells beside the seams of a sewing pattern, over that of the cloth
 # wrinkles = "auto"         # those smaller than a cell: "relaxed", or "resolved" by cells alone
 
 [contact]
@@ -148,6 +150,12 @@ def parser() -> argparse.ArgumentParser:
         choices=["rajagopal", "gait2392"],
         default="rajagopal",
         help="whose names and signs the coordinates have (default: %(default)s)",
+    )
+    export.add_argument(
+        "--osim",
+        type=Path,
+        metavar="FILE",
+        help="your own model: its hips are put at the wearer's, its sizes compared",
     )
     export.add_argument("--folder", type=Path, help="for the files (default: opensim in OUT)")
     report = kinds.add_parser(
@@ -255,7 +263,7 @@ def _export(options: argparse.Namespace) -> None:
         from shellform.export.opensim import export, export_lines
 
         folder = options.folder or options.out / options.to
-        console.say(export_lines(export(options.out, folder, options.model), folder))
+        console.say(export_lines(export(options.out, folder, options.model, options.osim), folder))
 
     _by_rank_0(write)
 

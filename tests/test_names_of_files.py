@@ -56,6 +56,7 @@ def test_a_scene_and_its_garment_are_checked(locale, folder):
     assert b"Hose f" in done.stdout
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_run_writes_its_files(folder):
     """All that a run leaves, in such a folder, and the scene can be read again."""

@@ -59,11 +59,13 @@ def add_blended(
     bound: np.ndarray,
     weights: np.ndarray,
     axes: np.ndarray,
+    pushed: np.ndarray,
     at_vertices: np.ndarray,
     book: np.ndarray,
 ) -> None:
     """The adjoint of `blend`, see `SurfaceMotion.add_to_segments`."""
-    for i in range(len(at_vertices)):
+    for m in range(len(pushed)):
+        i = pushed[m]
         j0, j1, j2 = at_vertices[i, 0], at_vertices[i, 1], at_vertices[i, 2]
         e0, e1, e2 = at_vertices[i, 3], at_vertices[i, 4], at_vertices[i, 5]
         if j0 == 0.0 and j1 == 0.0 and j2 == 0.0 and e0 == 0.0 and e1 == 0.0 and e2 == 0.0:
@@ -162,7 +164,7 @@ class BlendedSurface:
         self._pose = body.new_pose(time)
         arm = points[:, None, :] - self._pose.centres[self.bound]
         self.local = np.einsum("iakc,iac->iak", self._pose.axes[self.bound], arm)
-        self._time = time
+        self._time, self._every = time, np.arange(len(points))
 
     @property
     def vertex_count(self) -> int:
@@ -185,6 +187,13 @@ class BlendedSurface:
         out[:] = self._at(t).centres
         return out
 
-    def add_to_segments(self, t: float, at_vertices: np.ndarray, book: np.ndarray) -> None:
+    def add_to_segments(
+        self,
+        t: float,
+        at_vertices: np.ndarray,
+        book: np.ndarray,
+        pushed: np.ndarray | None = None,
+    ) -> None:
         """See `SurfaceMotion`."""
-        add_blended(self.local, self.bound, self.weights, self._at(t).axes, at_vertices, book)
+        axes, reached = self._at(t).axes, self._every if pushed is None else pushed
+        add_blended(self.local, self.bound, self.weights, axes, reached, at_vertices, book)

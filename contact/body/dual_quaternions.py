@@ -111,7 +111,7 @@ def blend(
         w, j = weights[k], which[k]
         if w == 0.0:
             continue
-        if sign(motions, first, j) < 0.0:
+        if k > 0 and sign(motions, first, j) < 0.0:
             w = -w
         b0, b1, b2, b3 = (
             b0 + w * rates[j, 0], b1 + w * rates[j, 1], b2 + w * rates[j, 2], b3 + w * rates[j, 3]
@@ -134,12 +134,18 @@ def sign(motions: np.ndarray, first: int, other: int) -> float:
 @kernel(makes_arrays=False)
 def moved(b: Quaternion, d: Quaternion, p: Quaternion) -> tuple[float, float, float]:
     """x of a point p (real part 0)."""
-    N = b[0] ** 2 + b[1] ** 2 + b[2] ** 2 + b[3] ** 2
-    q = product(b, p)
-    a = times_conjugate(
-        (q[0] + 2.0 * d[0], q[1] + 2.0 * d[1], q[2] + 2.0 * d[2], q[3] + 2.0 * d[3]), b
+    # with b = (w, v) and d = (e, u): x = p + 2 (v x (v x p + w p + u) + w u - e v)/N
+    w, v0, v1, v2 = b
+    e, u0, u1, u2 = d
+    q0 = v1 * p[3] - v2 * p[2] + w * p[1] + u0
+    q1 = v2 * p[1] - v0 * p[3] + w * p[2] + u1
+    q2 = v0 * p[2] - v1 * p[1] + w * p[3] + u2
+    scale = 2.0 / (w * w + v0 * v0 + v1 * v1 + v2 * v2)
+    return (
+        p[1] + scale * (v1 * q2 - v2 * q1 + w * u0 - e * v0),
+        p[2] + scale * (v2 * q0 - v0 * q2 + w * u1 - e * v1),
+        p[3] + scale * (v0 * q1 - v1 * q0 + w * u2 - e * v2),
     )
-    return a[1] / N, a[2] / N, a[3] / N
 
 
 @kernel(makes_arrays=False)

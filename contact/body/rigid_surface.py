@@ -23,9 +23,10 @@ def _carry(local, centre, axes, out):
 
 
 @kernel(makes_arrays=False)
-def _add(local, axes, at_vertices, row):
-    """Add to the row (9,) of the segment."""
-    for i in range(len(local)):
+def _add(local, axes, pushed, at_vertices, row):
+    """Add what acts at vertices `pushed` to the row (9,) of the segment."""
+    for m in range(len(pushed)):
+        i = pushed[m]
         j0, j1, j2 = at_vertices[i, 0], at_vertices[i, 1], at_vertices[i, 2]
         for k in range(3):
             row[6 + k] += at_vertices[i, 3 + k]
@@ -81,6 +82,7 @@ class RigidSurface:
             )
         self.local, self.triangles = closed_surface(vertices, triangles, name)
         self.names, self.motion = (name,), motion
+        self._every = np.arange(len(self.local))
         self.owners = np.zeros(len(self.triangles), np.int64)
         self.pose = motion if callable(motion) else motion.pose
         self.moves = bool(getattr(motion, "moves", True))
@@ -108,6 +110,13 @@ class RigidSurface:
         out[0] = self._placed(t)[0]
         return out
 
-    def add_to_segments(self, t: float, at_vertices: np.ndarray, book: np.ndarray) -> None:
+    def add_to_segments(
+        self,
+        t: float,
+        at_vertices: np.ndarray,
+        book: np.ndarray,
+        pushed: np.ndarray | None = None,
+    ) -> None:
         """See `SurfaceMotion`."""
-        _add(self.local, self._placed(t)[1], at_vertices, book[0])
+        reached = self._every if pushed is None else pushed
+        _add(self.local, self._placed(t)[1], reached, at_vertices, book[0])

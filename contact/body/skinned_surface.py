@@ -6,7 +6,8 @@ place there is a mean of others, by a matrix whose rows add up to 1 and which st
 that is linear too, and its adjoint the transpose.
 
 A `surface_motion.SurfaceMotion`: what contact asks of it is where vertices are, and the adjoint.
-Weights, place and pose at binding stay; a pose is looked up once for each time.
+Weights, place and pose at binding stay; a pose is looked up once for each time, and those of the
+two times asked for last are kept: a step asks for those of its start and its end in turn.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,32 +16,38 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .dual_quaternions import set_motion, set_rate
+from .dual_quaternions import set_rate
 from .segments import Pose
 from .skinning import (
     BENDS,
     SKIN,
     add_skin,
-    mean_of,
+    clear_rows,
+    draw_smooth,
     place_skin,
     plane_rates,
+    set_motions,
     set_planes,
     skin_rates,
-    spread_to,
+    spread_smooth,
 )
 
 LEAST = 2e-3  # weights below are left out
-NEAR = 0.5  # of its distance from the plane at binding, within which a vertex is pressed
+ALONE = 0.9  # weight of two segments above which no other carries a vertex
+ROOM = 0.8  # of the margin, the room that is left at most
 
 
 class Bend(NamedTuple):
-    """A joint whose flesh meets when it bends.
+    """Two segments whose flesh meets, as behind a joint that bends.
 
     above, below : its segments
     centre : (3,) at binding [m]
     far_above, far_below : (3,), points that the lines of both segments go to from there [m]
     margin : from the halving plane, within which flesh is pressed at most [m]
-    parts : (n,) float 0 to 1, of the press that the vertices feel; None: all of it
+    near : the same as a part of the distance at binding
+    room : from the halving plane, that is left for cloth [m]
+    parts : (n,) float 0 to 1, of the press that the vertices feel, those above 0 in no other bend;
+        None: of those vertices that the two alone carry, each is in the bend of the nearest centre
     """
 
     above: str
@@ -49,7 +56,19 @@ class Bend(NamedTuple):
     far_above: np.ndarray
     far_below: np.ndarray
     margin: float = 0.015
+    near: float = 0.5
+    room: float = 0.0
     parts: np.ndarray | None = None
+
+
+class _State(NamedTuple):
+    """The segments at a time (1,) [s]: pose, motions, matrices and planes as of `skinning`."""
+
+    time: np.ndarray
+    pose: Pose
+    motions: np.ndarray
+    matrices: np.ndarray
+    planes: np.ndarray
 
 
 class SkinnedSurface:
@@ -108,16 +127,36 @@ class SkinnedSurface:
             self._add_bend(k, bend, points, table, nearest)
         self._smoothing = None
         if smoothing is not None:
-            starts, columns, parts = smoothing
-            self._smoothing = (
-                np.array(starts, np.int64), np.array(columns, np.int64), np.array(parts, float)
-            )  # fmt: skip
-            self._rough, self._spread = np.zeros((n, 3)), np.zeros((n, 6))
-        self._pose_of, self._time = pose, np.nan
-        self._pose = Pose(*(np.zeros_like(part) for part in self.bound))
-        self._motions, self._rates = np.zeros((m, 8)), np.zeros((m, 8))
-        self._planes = np.zeros((max(len(bends), 1), 7, 3))
-        self._of_planes = np.zeros((len(self._planes), 2, 3))
+            self._set_smoothing(*smoothing)
+        self._pose_of, self._every = pose, np.arange(n)
+        self._now, self._before = (self._new_state(m, len(bends)) for _ in range(2))
+        self._rates = np.zeros((m, 8))
+        self._of_planes = np.zeros((max(len(bends), 1), 2, 3))
+
+    def _new_state(self, m, bends):
+        pose = Pose(*(np.zeros_like(part) for part in self.bound))
+        return _State(
+            np.full(1, np.nan), pose, np.zeros((m, 8)), np.zeros((m, 3, 4)),
+            np.zeros((max(bends, 1), 7, 3)),
+        )  # fmt: skip
+
+    def _set_smoothing(self, starts, columns, parts):
+        """Keep the rows that are not those of the identity."""
+        starts, columns = np.array(starts, np.int64), np.array(columns, np.int64)
+        parts, n = np.array(parts, float), len(self.skin)
+        count = np.diff(starts)
+        same = (count == 1) & (columns[np.minimum(starts[:-1], len(columns) - 1)] == np.arange(n))
+        rows, entries = np.flatnonzero(~same), np.repeat(~same, count)
+        row_of = np.full(n, -1)
+        row_of[rows] = np.arange(len(rows))
+        # half the size, as this is read in every step; what rounding takes of a sum is given back
+        starts, short = np.concatenate([[0], np.cumsum(count[rows])]), parts[entries].astype("f4")
+        scales = np.add.reduceat(parts[entries], starts[:-1])
+        scales /= np.add.reduceat(short.astype(float), starts[:-1])
+        self._smoothing = starts, columns[entries].astype(np.int32), short, scales
+        self._rows, self._row_of, self._means = rows, row_of, np.zeros((len(rows), 3))
+        self._spread, self._listed = np.zeros((n, 6)), np.zeros(n, np.int64)
+        self._taken = np.zeros(n, bool)
 
     def _add_bend(self, k, bend, points, table, nearest):
         """Record a bend, and the vertices of its two segments that it presses."""
@@ -132,74 +171,95 @@ class SkinnedSurface:
         normal = along[0] - along[1]
         normal /= np.linalg.norm(normal)
         from_plane = (points - bend.centre) @ normal
-        # those of the two alone: what other segments carry as well is far from this bend
-        whole = table[:, a] + table[:, b] > 1 - LEAST
-        main = np.where(from_plane > 0, table[:, a] > table[:, b], table[:, b] > table[:, a])
-        far = np.linalg.norm(points - bend.centre, axis=1)
-        near = whole & (main | (table[:, [a, b]].min(axis=1) > 0)) & (far < nearest)
-        nearest[near] = far[near]
-        self.skin["bend"][near] = k
-        self.skin["side"][near] = np.sign(from_plane[near])
-        self.skin["margin"][near] = np.minimum(NEAR * np.abs(from_plane[near]), bend.margin)
-        self.skin["part"][near] = 1.0 if bend.parts is None else bend.parts[near]
+        if bend.parts is None:
+            # what other segments carry as well is far from this bend
+            whole = table[:, a] + table[:, b] > ALONE
+            main = np.where(from_plane > 0, table[:, a] > table[:, b], table[:, b] > table[:, a])
+            far = np.linalg.norm(points - bend.centre, axis=1)
+            own = whole & (main | (table[:, [a, b]].min(axis=1) > 0)) & (far < nearest)
+            nearest[own] = far[own]
+        else:
+            own = bend.parts > 0.0
+            nearest[own] = 0.0
+        margin = np.minimum(bend.near * np.abs(from_plane[own]), bend.margin)
+        self.skin["bend"][own] = k
+        self.skin["side"][own] = np.sign(from_plane[own])
+        self.skin["margin"][own] = margin
+        self.skin["room"][own] = np.minimum(bend.room, ROOM * margin)
+        self.skin["part"][own] = 1.0 if bend.parts is None else bend.parts[own]
 
     @property
     def vertex_count(self) -> int:
         return len(self.skin)
 
     def _set(self, t):
-        """Motions and planes at time t [s]."""
-        if t == self._time:
-            return
-        pose, bound = self._pose_of(t, self._pose), self.bound
-        for j in range(len(self.names)):
-            set_motion(
-                self._motions[j], pose.centres[j], pose.axes[j], bound.centres[j], bound.axes[j]
-            )
-        set_planes(self.bends, pose.centres, pose.axes, self._planes)
-        self._time = t
+        """What is known of time t [s]: `_now`."""
+        if t == self._now.time[0]:
+            return self._now
+        self._now, self._before = self._before, self._now
+        state, bound = self._now, self.bound
+        if t == state.time[0]:
+            return state
+        state.time[0] = np.nan
+        pose = self._pose_of(t, state.pose)
+        set_motions(
+            pose.centres, pose.axes, bound.centres, bound.axes, state.motions, state.matrices
+        )
+        set_planes(self.bends, pose.centres, pose.axes, state.planes)
+        state.time[0] = t
+        return state
 
     def positions(self, t: float, out: np.ndarray) -> np.ndarray:
         """See `surface_motion.SurfaceMotion`."""
-        self._set(t)
-        rough = out if self._smoothing is None else self._rough
-        place_skin(self.skin, self.which, self.weights, self._motions, self._planes, rough)
-        return self._smoothed(rough, out)
+        now = self._set(t)
+        place_skin(
+            self.skin, self.which, self.weights, now.motions, now.matrices, now.planes, out
+        )  # fmt: skip
+        return self._smoothed(out)
 
-    def _smoothed(self, rough, out):
+    def _smoothed(self, out):
         if self._smoothing is not None:
-            mean_of(*self._smoothing, rough, out)
+            draw_smooth(self._rows, *self._smoothing, out, self._means)
         return out
 
     def centres(self, t: float, out: np.ndarray) -> np.ndarray:
         """See `surface_motion.SurfaceMotion`."""
-        self._set(t)
-        out[:] = self._pose.centres
+        out[:] = self._set(t).pose.centres
         return out
 
     def velocities(self, t: float, out: np.ndarray) -> np.ndarray:
         """Fill the velocities out (n, 3) [m/s] of the vertices at time t [s]; returns it."""
-        self._set(t)
-        pose = self._pose
+        now = self._set(t)
+        pose = now.pose
         for j in range(len(self.names)):
             set_rate(
-                self._rates[j], self._motions[j], pose.centres[j], pose.velocities[j], pose.spins[j]
+                self._rates[j], now.motions[j], pose.centres[j], pose.velocities[j], pose.spins[j]
             )
-        plane_rates(self.bends, self._planes, pose.velocities, pose.spins, self._of_planes)
-        rough = out if self._smoothing is None else self._rough
+        plane_rates(self.bends, now.planes, pose.velocities, pose.spins, self._of_planes)
         skin_rates(
-            self.skin, self.which, self.weights, self._motions, self._rates, self._planes,
-            self._of_planes, rough,
+            self.skin, self.which, self.weights, now.motions, self._rates, now.planes,
+            self._of_planes, out,
         )  # fmt: skip
-        return self._smoothed(rough, out)
+        return self._smoothed(out)
 
-    def add_to_segments(self, t: float, at_vertices: np.ndarray, book: np.ndarray) -> None:
+    def add_to_segments(
+        self,
+        t: float,
+        at_vertices: np.ndarray,
+        book: np.ndarray,
+        pushed: np.ndarray | None = None,
+    ) -> None:
         """See `surface_motion.SurfaceMotion`."""
-        self._set(t)
+        now, reached = self._set(t), self._every if pushed is None else pushed
         if self._smoothing is not None:
-            spread_to(*self._smoothing, at_vertices, self._spread)
-            at_vertices = self._spread
+            count = spread_smooth(
+                self._row_of, *self._smoothing, reached, at_vertices, self._spread, self._listed,
+                self._taken,
+            )  # fmt: skip
+            at_vertices, reached = self._spread, self._listed[:count]
         add_skin(
-            self.skin, self.which, self.weights, self._motions, self.bends, self._planes,
-            self._pose.centres, at_vertices, book,
+            self.skin, self.which, self.weights, now.motions, self.bends, now.planes,
+            now.pose.centres, reached, at_vertices, book,
         )  # fmt: skip
+        if self._smoothing is not None:
+            clear_rows(reached, self._spread, self._taken)

@@ -16,7 +16,15 @@ import numpy as np
 
 from contact.kernel import kernel
 
-from .dual_quaternions import blend, gradients, moved, moving, sign, times_conjugate
+from .dual_quaternions import (
+    blend,
+    gradients,
+    moved,
+    moving,
+    set_motion,
+    sign,
+    times_conjugate,
+)
 from .flesh import kept_on_side
 
 BENDS = [
@@ -31,7 +39,8 @@ SKIN = [
     ("point", float, 3),  # where it was bound [m]
     ("bend", np.int64),  # joint that presses it, -1 for none
     ("side", float),  # 1 above that joint, -1 below
-    ("margin", float),  # [m]
+    ("margin", float),  # m of `flesh` [m]
+    ("room", float),  # r of `flesh` [m]
     ("part", float),  # of the press that it feels, 0 to 1
 ]
 
@@ -41,6 +50,34 @@ def _turned(axes, y, out):
     """out (3,) = vector y in the axes (rows) of a segment, in the world's."""
     for c in range(3):
         out[c] = y[0] * axes[0, c] + y[1] * axes[1, c] + y[2] * axes[2, c]
+
+
+@kernel(makes_arrays=False)
+def set_motions(
+    centres: np.ndarray, axes: np.ndarray, at: np.ndarray, along: np.ndarray,
+    motions: np.ndarray, matrices: np.ndarray,
+) -> None:  # fmt: skip
+    """Fill motions (m, 8) and matrices (m, 3, 4), R and t, of segments from where skin was bound.
+
+    centres (m, 3), axes (m, 3, 3) : now; at, along : the same at binding
+    """
+    for j in range(len(motions)):
+        set_motion(motions[j], centres[j], axes[j], at[j], along[j])
+        for r in range(3):
+            shift = centres[j, r]
+            for c in range(3):
+                R = 0.0
+                for k in range(3):
+                    R += axes[j, k, r] * along[j, k, c]
+                matrices[j, r, c] = R
+                shift -= R * at[j, c]
+            matrices[j, r, 3] = shift
+
+
+@kernel(makes_arrays=False)
+def _on_one(weights, i):
+    """Whether vertex i is bound to one segment."""
+    return weights.shape[1] == 1 or weights[i, 1] == 0.0
 
 
 @kernel(makes_arrays=False)
@@ -72,28 +109,31 @@ def set_planes(
 @kernel(makes_arrays=False)
 def place_skin(
     skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
-    planes: np.ndarray, out: np.ndarray,
+    matrices: np.ndarray, planes: np.ndarray, out: np.ndarray,
 ) -> None:  # fmt: skip
     """Fill the places out (n, 3) [m] of the vertices.
 
     skin : (n,) SKIN; which, weights : (n, k), segments and weights, the largest first
-    motions : (m, 8), from where the skin was bound; planes : of `set_planes`
+    motions, matrices : of `set_motions`; planes : of `set_planes`
     """
     for i in range(len(skin)):
-        p = (0.0, skin[i].point[0], skin[i].point[1], skin[i].point[2])
-        b, d = blend(motions, motions, which[i], weights[i])
-        x = moved(b, d, p)
-        k, push, at = skin[i].bend, 0.0, planes[max(skin[i].bend, 0)]
+        k, p = skin[i].bend, skin[i].point
+        if _on_one(weights, i):
+            R = matrices[which[i, 0]]
+            x0 = R[0, 3] + R[0, 0] * p[0] + R[0, 1] * p[1] + R[0, 2] * p[2]
+            x1 = R[1, 3] + R[1, 0] * p[0] + R[1, 1] * p[1] + R[1, 2] * p[2]
+            x2 = R[2, 3] + R[2, 0] * p[0] + R[2, 1] * p[1] + R[2, 2] * p[2]
+        else:
+            b, d = blend(motions, motions, which[i], weights[i])
+            x0, x1, x2 = moved(b, d, (0.0, p[0], p[1], p[2]))
         if k >= 0:
-            side = skin[i].side
+            at, side = planes[k], skin[i].side
             s = side * (
-                at[5, 0] * (x[0] - at[4, 0])
-                + at[5, 1] * (x[1] - at[4, 1])
-                + at[5, 2] * (x[2] - at[4, 2])
+                at[5, 0] * (x0 - at[4, 0]) + at[5, 1] * (x1 - at[4, 1]) + at[5, 2] * (x2 - at[4, 2])
             )
-            push = skin[i].part * side * (kept_on_side(s, skin[i].margin)[0] - s)
-        for c in range(3):
-            out[i, c] = x[c] + push * at[5, c]
+            push = skin[i].part * side * (kept_on_side(s, skin[i].margin, skin[i].room)[0] - s)
+            x0, x1, x2 = x0 + push * at[5, 0], x1 + push * at[5, 1], x2 + push * at[5, 2]
+        out[i, 0], out[i, 1], out[i, 2] = x0, x1, x2
 
 
 @kernel(makes_arrays=False)
@@ -145,7 +185,7 @@ def skin_rates(
             arm = x[c] - at[4, c]
             s += at[5, c] * arm
             ds += at[5, c] * (v[c] - of_planes[k, 0, c]) + of_planes[k, 1, c] * arm
-        g, slope = kept_on_side(side * s, skin[i].margin)
+        g, slope = kept_on_side(side * s, skin[i].margin, skin[i].room)
         push, h = skin[i].part * (slope - 1.0) * ds, skin[i].part * (side * g - s)
         for c in range(3):
             out[i, c] += push * at[5, c] + h * of_planes[k, 1, c]
@@ -155,14 +195,16 @@ def skin_rates(
 def add_skin(
     skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
     bends: np.ndarray, planes: np.ndarray, centres: np.ndarray,
-    at_vertices: np.ndarray, book: np.ndarray,
+    pushed: np.ndarray, at_vertices: np.ndarray, book: np.ndarray,
 ) -> None:  # fmt: skip
     """Book what acts at vertices to segments, see `surface_motion.SurfaceMotion.add_to_segments`.
 
     centres : (m, 3) of the segments [m], about which moments are taken
-    at_vertices : (n, 6), impulses and three energies; book : (m, 9), added to
+    pushed : vertices that count; at_vertices : (n, 6), impulses and three energies
+    book : (m, 9), added to
     """
-    for i in range(len(skin)):
+    for m in range(len(pushed)):
+        i = pushed[m]
         idle = True
         for c in range(6):
             idle = idle and at_vertices[i, c] == 0.0
@@ -178,7 +220,7 @@ def add_skin(
             n0, n1, n2 = at[5, 0], at[5, 1], at[5, 2]
             r0, r1, r2 = x[0] - at[4, 0], x[1] - at[4, 1], x[2] - at[4, 2]
             s = n0 * r0 + n1 * r1 + n2 * r2
-            g, slope = kept_on_side(side * s, skin[i].margin)
+            g, slope = kept_on_side(side * s, skin[i].margin, skin[i].room)
             along = f0 * n0 + f1 * n1 + f2 * n2
             push, h = skin[i].part * (slope - 1.0) * along, skin[i].part * (side * g - s)
             if h != 0.0:
@@ -223,33 +265,77 @@ def add_skin(
 
 
 @kernel(makes_arrays=False)
-def mean_of(
-    starts: np.ndarray, columns: np.ndarray, parts: np.ndarray, rough: np.ndarray, out: np.ndarray
-) -> None:
-    """out (n, 3) = M rough, the rows of M as starts (n + 1,), columns and parts (k,)."""
-    for i in range(len(out)):
-        x0 = x1 = x2 = 0.0
-        for k in range(starts[i], starts[i + 1]):
+def draw_smooth(
+    rows: np.ndarray, starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
+    scales: np.ndarray, at: np.ndarray, means: np.ndarray,
+) -> None:  # fmt: skip
+    """Put the means M x in place of those `rows` (k,) of x = at (n, 3) that are drawn smooth.
+
+    starts (k + 1,), columns, parts : these rows of M, each to be multiplied by its scale (k,)
+    means : (k, 3), scratch
+    """
+    for r in range(len(rows)):
+        x0 = x1 = x2 = y0 = y1 = y2 = 0.0
+        first, end = starts[r], starts[r + 1]
+        if (end - first) % 2 == 1:
+            j, w = columns[first], parts[first]
+            x0, x1, x2, first = w * at[j, 0], w * at[j, 1], w * at[j, 2], first + 1
+        # two sums that do not wait for each other
+        for k in range(first, end, 2):
             j, w = columns[k], parts[k]
-            x0, x1, x2 = x0 + w * rough[j, 0], x1 + w * rough[j, 1], x2 + w * rough[j, 2]
-        out[i, 0], out[i, 1], out[i, 2] = x0, x1, x2
+            x0, x1, x2 = x0 + w * at[j, 0], x1 + w * at[j, 1], x2 + w * at[j, 2]
+            j, w = columns[k + 1], parts[k + 1]
+            y0, y1, y2 = y0 + w * at[j, 0], y1 + w * at[j, 1], y2 + w * at[j, 2]
+        scale = scales[r]
+        means[r, 0], means[r, 1], means[r, 2] = (
+            scale * (x0 + y0), scale * (x1 + y1), scale * (x2 + y2)
+        )  # fmt: skip
+    for r in range(len(rows)):
+        for c in range(3):
+            at[rows[r], c] = means[r, c]
 
 
 @kernel(makes_arrays=False)
-def spread_to(
-    starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
-    at_vertices: np.ndarray, out: np.ndarray,
-) -> None:  # fmt: skip
-    """out (n, 6) = M^T at_vertices, as `mean_of`."""
-    for i in range(len(out)):
-        for c in range(6):
-            out[i, c] = 0.0
-    for i in range(len(out)):
-        idle = True
-        for c in range(6):
-            idle = idle and at_vertices[i, c] == 0.0
-        if idle:
+def _reach(j, w, i, at_vertices, out, listed, taken, count):
+    """Add what acts at vertex i times w to vertex j; the number of vertices reached then."""
+    if not taken[j]:
+        taken[j], listed[count] = True, j
+        count += 1
+    for c in range(6):
+        out[j, c] += w * at_vertices[i, c]
+    return count
+
+
+@kernel(makes_arrays=False)
+def spread_smooth(
+    row_of: np.ndarray, starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
+    scales: np.ndarray, pushed: np.ndarray, at_vertices: np.ndarray, out: np.ndarray,
+    listed: np.ndarray, taken: np.ndarray,
+) -> int:  # fmt: skip
+    """Add M^T at_vertices to out (n, 6); the number of vertices that it reaches.
+
+    row_of : (n,) int, number of a vertex among those drawn smooth, or -1
+    starts, columns, parts, scales : see `draw_smooth`
+    pushed : vertices at which something acts; listed (n,) : filled with those reached; taken
+        (n,) bool : whether a vertex is among them, False before
+    """
+    count = 0
+    for m in range(len(pushed)):
+        i = pushed[m]
+        r = row_of[i]
+        if r < 0:
+            count = _reach(i, 1.0, i, at_vertices, out, listed, taken, count)
             continue
-        for k in range(starts[i], starts[i + 1]):
-            for c in range(6):
-                out[columns[k], c] += parts[k] * at_vertices[i, c]
+        for k in range(starts[r], starts[r + 1]):
+            w = scales[r] * parts[k]
+            count = _reach(columns[k], w, i, at_vertices, out, listed, taken, count)
+    return count
+
+
+@kernel(makes_arrays=False)
+def clear_rows(rows: np.ndarray, table: np.ndarray, taken: np.ndarray) -> None:
+    """Set rows of a table (n, k) to zero, and of taken (n,) to False."""
+    for m in range(len(rows)):
+        taken[rows[m]] = False
+        for c in range(table.shape[1]):
+            table[rows[m], c] = 0.0

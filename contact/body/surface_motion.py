@@ -50,7 +50,13 @@ class SurfaceMotion(Protocol):
     def centres(self, t: float, out: np.ndarray) -> np.ndarray:
         """Fill the centres out (m, 3) of the segments at time t [s]; returns it."""
 
-    def add_to_segments(self, t: float, at_vertices: np.ndarray, book: np.ndarray) -> None:
+    def add_to_segments(
+        self,
+        t: float,
+        at_vertices: np.ndarray,
+        book: np.ndarray,
+        pushed: np.ndarray | None = None,
+    ) -> None:
         """Book what acts at vertices to the segments: the adjoint of the skinning at time t [s].
 
         Parameters
@@ -59,4 +65,6 @@ class SurfaceMotion(Protocol):
             shared out by the weights of the skin
         book : (m, 9), added to: impulse (3) and its moment about the centre of the segment at time
             t (3) [N m s], and the three energies [J]: a row of a Ledger's table
+        pushed : vertices (k,) int, each once, that something acts on; others may be left out; None:
+            all count
         """

@@ -131,19 +131,16 @@ def _copy(plane, out):
 
 
 @cache
-def flesh_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel correct(x, v, old, mass, dt, ..., *books) of a law of friction, on flesh.
+def bed_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel press_plane(mass, work, side, plane, bed, compliance) of a law of friction.
 
-    Arguments as of `correction_kernel` (correction_step.py) and flesh (m,) BED, sides (n,) SIDE and
-    the areal mass [kg/m^2].
+    It fills the push and the friction of a plane on a bed, whose bound is the depth that the free
+    step ends at [m], and `work.change`; whether the node sticks. compliance : see `press`
     """
     transmitted = cone_kernel(kinetic_coefficient)
-    correct_node = node_kernel(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
-    def on_bed(x, v, mass, work, side, segments, planes, bed, compliance, book):
-        """Correct a node on the bed of plane 0; its segment, or -1."""
-        plane = planes[0]
+    def press_plane(mass, work, side, plane, bed, compliance):
         n, u, free, step = plane.normal, plane.drift, work.free, work.step
         if side.owner != plane.owner:
             begun = side.depth if side.owner >= 0 else 0.0
@@ -163,11 +160,30 @@ def flesh_kernel(kinetic_coefficient: Callable) -> Any:
         for c in range(3):
             plane.friction[c] *= fraction
             work.change[c] = (push * n[c] + plane.friction[c]) / work.dt
+        return fraction == 1.0 and work.friction[0] > 0.0
+
+    return press_plane
+
+
+@cache
+def flesh_kernel(kinetic_coefficient: Callable) -> Any:
+    """Kernel correct(x, v, old, mass, dt, ..., *books) of a law of friction, on flesh.
+
+    Arguments as of `correction_kernel` (correction_step.py) and flesh (m,) BED, sides (n,) SIDE and
+    the areal mass [kg/m^2].
+    """
+    press_plane = bed_kernel(kinetic_coefficient)
+    correct_node = node_kernel(kinetic_coefficient)
+
+    @kernel(makes_arrays=False)
+    def on_bed(x, v, mass, work, side, segments, planes, bed, compliance, book):
+        """Correct a node on the bed of plane 0; its segment, or -1."""
+        stick = press_plane(mass, work, side, planes[0], bed, compliance)
         work.count, work.soft = 1, 0
         segment = book_planes(x, v, mass, work, segments, planes, book)
         if segment >= 0:
             work.active += 1
-            work.sticking += fraction == 1.0 and work.friction[0] > 0.0
+            work.sticking += stick
         return segment
 
     @kernel(makes_arrays=False)

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contact.kernel import kernel
+
 from .contact_ledger import Ledger
 from .friction import Friction, as_friction
 from .step_record import (
@@ -24,6 +26,24 @@ from .step_record import (
 )
 
 EVERY = 2**63 - 1  # all segments
+
+
+@kernel(makes_arrays=False)
+def mark_touching(
+    nodes: np.ndarray,
+    v: np.ndarray,
+    away: np.ndarray,
+    segment: np.ndarray,
+    time: float,
+    motion: float,
+    least: float,
+    may: np.ndarray,
+) -> None:
+    """Fill may (k,) bool, see `NodeCorrection.may_touch`, for a time of 2 dt [s]."""
+    for k in range(len(nodes)):
+        way = time * np.sqrt(v[k, 0] ** 2 + v[k, 1] ** 2 + v[k, 2] ** 2)
+        near = not away[nodes[k]] > way + motion and way > least
+        may[k] = near or segment[nodes[k]] >= 0
 
 
 class NodeCorrection:
@@ -78,6 +98,7 @@ class NodeCorrection:
         self._step = step_record(self._friction, self._offset)
         self._step["recovery_speed"] = recovery
         self._work = self._step[0]
+        self._asked: tuple | None = None  # of `preview`
         self.last, self.window = Ledger(nodes, segments), Ledger(nodes, segments)
         self._start_time: float | None = None
         self._end_time: float | None = None
@@ -85,6 +106,66 @@ class NodeCorrection:
     def _kernel_of(self, friction: Friction) -> Any:
         """Kernel of a step for a law of friction."""
         raise NotImplementedError
+
+    def _move(self, start, end):
+        """Place the body at the two times of a step; nothing where that has been done."""
+        raise NotImplementedError
+
+    def _ask(self, nodes, x, v, old, mass, dt, step, correct):
+        """Correct v (k, 3) of some nodes by a kernel of `_kernel_of`, and keep nothing.
+
+        Arrays are to be of the order that a step has: another one would be compiled for.
+        """
+        raise NotImplementedError
+
+    def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float, least: float) -> np.ndarray:
+        """Whether nodes (k,) int with velocities v (k, 3) touch the body or may, in a step dt [s].
+
+        By what the last step has found: a node that the body reaches suddenly is missed, and one
+        that does not touch it yet and goes by less than `least` [m] in two steps.
+        """
+        may = np.empty(len(nodes), np.bool_)
+        motion = float(self._work["motion"])
+        mark_touching(nodes, v, self._away, self.segment, 2.0 * dt, motion, least, may)
+        return may
+
+    def preview(
+        self,
+        nodes: np.ndarray,
+        x: np.ndarray,
+        v: np.ndarray,
+        mass: np.ndarray,
+        dt: float,
+        t: float,
+        friction: Friction | None = None,
+    ) -> tuple[np.ndarray, int, int]:
+        """What a call would make of velocities v (k, 3) of some nodes (k,) int; nothing is kept.
+
+        x, mass : (k, 3), (k,), of these; friction : in place of that of the contact
+
+        Returns their velocities (k, 3), how many are pushed and how many of them stick.
+        """
+        self._move(t, t + dt)
+        if self._asked is None:
+            # records are copied as bytes: field by field it takes longer than all else
+            copied = self._step.copy()
+            self._asked = copied, copied.view(np.uint8), self._step.view(np.uint8)
+        step, asked, own = self._asked
+        asked[:] = own
+        correct = self._correct
+        if friction is not None:
+            set_friction(step, friction)
+            correct = self._kernel_of(friction)
+        after = v.copy()
+        self._ask(nodes, x, after, v, mass, dt, step, correct)
+        return after, int(step[0]["active"]), int(step[0]["sticking"])
+
+    def normal_give(self, nodes: np.ndarray, dt: float) -> np.ndarray:
+        """Part (k,) of a change of their velocity along its normal that the body leaves to nodes.
+
+        None where it is hard.
+        """
+        return np.zeros(len(nodes))
 
     def _check(self, x, v, mass, old, dt, t):
         nodes, shape = self.segment.shape, self.last.impulse.shape

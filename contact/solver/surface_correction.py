@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 
 from contact.body.segment_sets import bits_of
 from contact.body.segments import Body, Pose
-from contact.body.surface_motion import SHARED, SurfaceMotion
+from contact.body.surface_motion import SurfaceMotion
+from contact.geometry.triangle_mesh.carried import forget_acting, new_acting
 from contact.geometry.triangle_mesh.closest import STACK
 from contact.geometry.triangle_mesh.placed import greatest_move, new_placed, refit
 from contact.geometry.triangle_mesh.smooth import most_raised
@@ -24,16 +25,15 @@ from contact.geometry.triangle_mesh.topology import mesh_of
 from .contact_ledger import BOOKED
 from .friction import Friction
 from .node_correction import NodeCorrection
-from .step_record import LOOK
+from .step_record import FAR, LOOK
 from .supporting_planes import PLANE
 from .surface_node import PLANES
-from .surface_step import surface_kernel
-from .velocity_correction import LOOKS
+from .surface_step import ROOM, surface_kernel
 
 JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
 SHARP = 0.5  # cosine between normals of one triangle
 SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
-GROWN = 1e-3  # m, that boxes are grown before they are fitted anew
+GROWN = 3e-3  # m, that boxes are grown before they are fitted anew
 RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
 
 
@@ -86,16 +86,20 @@ class SurfaceCorrection(NodeCorrection):
         self._rows = np.array([names.index(name) for name in surface.names])
         super().__init__(nodes, len(names), friction, offset, fixed, recovery, allowed)
         self._near = np.full(nodes, -1, np.int64)  # triangle last found
+        self._sheet, self._room = np.zeros((LOOK, nodes)), np.zeros((nodes, ROOM))
+        self._sheet[3] = -1.0
         self._planes, self._over = np.zeros(PLANES, PLANE), np.zeros(PLANES, np.int64)
         self._stack, self._bounds = np.zeros(STACK, np.int64), np.zeros(STACK)
         self._smooth, self._highest = bool(smooth), 0.0
-        self.at_vertices = np.zeros((surface.vertex_count, SHARED))
+        self._acting = new_acting(surface.vertex_count)
+        self.at_vertices = self._acting.table
         self._book = np.zeros((len(surface.names), BOOKED))
         self._owners = np.ascontiguousarray(self._rows[surface.owners], np.int64)
         self._bits = bits_of(names if body is None else body.carriers)
         self._mesh: Any = None
         self._start: Any = None
         self._end: Any = None
+        self._scratch: Any = None  # of `_ask`
 
     def _kernel_of(self, friction: Friction) -> Any:
         return surface_kernel(friction.kinetic_coefficient)
@@ -123,22 +127,53 @@ class SurfaceCorrection(NodeCorrection):
         self._check(x, v, mass, old, dt, t)
         self._move(t, t + dt)
         last, window = self.last, self.window
-        bad = self._correct(
-            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._near, self._away,
-            self._step, self._smooth, self._highest, self._mesh, self._start, self._end,
-            self._planes, self._over, self._stack, self._bounds, self._owners, last.impulse,
-            window.impulse, self.at_vertices,
-        )  # fmt: skip
+        bad = self._correct_all(x, v, old, mass, dt)
         if bad:
             self._refuse(bad - 1, x, v, mass, t)
         last.table[:] = 0.0
         if self.active:
             self._book[:] = 0.0
-            self.surface.add_to_segments(t, self.at_vertices, self._book)
+            pushed = self._acting.rows[: self._acting.number[0]]
+            self.surface.add_to_segments(t, self.at_vertices, self._book, pushed)
             last.table[self._rows] = self._book
             window.table += last.table
         last.seconds = dt
         window.seconds += dt
+
+    def _correct_all(self, x, v, old, mass, dt):
+        """Correct v of all nodes; 0, or the number + 1 of a node that is not finite."""
+        last, window = self.last, self.window
+        return self._correct(
+            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._sheet, self._near,
+            self._room, self._away, self._step, self._smooth, self._highest, self._mesh,
+            self._start, self._end, self._planes, self._over, self._stack, self._bounds,
+            self._owners, last.impulse, window.impulse, self._acting, self._beds_of(slice(None)),
+        )  # fmt: skip
+
+    def _beds_of(self, nodes):
+        """What the kernel of a node wants besides, of some nodes."""
+        return ()
+
+    def _ask(self, nodes, x, v, old, mass, dt, step, correct):
+        k, scratch = len(nodes), self._scratch
+        if scratch is None or len(scratch[0]) < k:
+            scratch = self._scratch = (
+                np.zeros(2 * k), np.zeros((2 * k, ROOM)), np.zeros((2, 2 * k, 3)),
+                new_acting(self.surface.vertex_count),
+            )  # fmt: skip
+        away, room, impulse, acting = scratch
+        room[:k, 0] = 0.0
+        look = np.take(self._look, nodes, axis=1)
+        look[3] = -1.0
+        sets = np.take(self._sets, nodes, axis=1)
+        correct(
+            x, v, old, mass, dt, self.fixed[nodes], sets, look,
+            np.take(self._sheet, nodes, axis=1), self._near[nodes], room[:k], away[:k],
+            step, self._smooth, self._highest, self._mesh, self._start, self._end, self._planes,
+            self._over, self._stack, self._bounds, self._owners, impulse[0, :k], impulse[1, :k],
+            acting, self._beds_of(nodes),
+        )  # fmt: skip
+        forget_acting(acting)
 
     def _place(self, t, placed):
         self.surface.positions(t, placed.vertices)
@@ -190,6 +225,8 @@ class SurfaceCorrection(NodeCorrection):
 
     def _move(self, start, end):
         """Surfaces at the two times; the end of one step usually is the start of the next."""
+        if start == self._start_time and end == self._end_time:
+            return  # the same step once more, with other velocities
         if self._mesh is None:
             self._begin(start)
         elif not self.surface.moves:
@@ -197,7 +234,7 @@ class SurfaceCorrection(NodeCorrection):
         elif self._end_time is not None and abs(start - self._end_time) < SAME * (end - start):
             self._start, self._end = self._end, self._start
         elif start != self._start_time:
-            self._look[3] = -1.0
+            self._forget()
             self._place(start, self._start)
         if self.surface.moves:
             way = self._go_on(end)
@@ -230,21 +267,22 @@ class SurfaceCorrection(NodeCorrection):
         return self._start.vertices
 
     def looks(self) -> tuple[np.ndarray, np.ndarray]:
-        """What steps so far have found, (n, LOOKS); way [m], time [s] and `highest` of the surface.
+        """What steps so far have found, (n, k); way [m], time [s] and `highest` of the surface.
 
         Whole numbers stand as the floats of the same bits; see `VelocityCorrection.looks`.
         """
         time = np.nan if self._end_time is None else self._end_time
-        table = np.zeros((len(self._near), LOOKS))
-        table[:, :LOOK] = self._look.T
-        table[:, LOOK], table[:, LOOK + 1] = self._sets[1].view(float), self._near.view(float)
+        whole = [self._sets[FAR].view(float), self._near.view(float)]
+        table = np.column_stack([self._look.T, self._sheet.T, *whole, self._room])
         return table, np.array([self._work["path"], time, self._highest])
 
     def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
         """Continue from `looks()`."""
-        self._look[:] = table[:, :LOOK].T
-        self._sets[1] = np.ascontiguousarray(table[:, LOOK]).view(np.int64)
-        self._near[:] = np.ascontiguousarray(table[:, LOOK + 1]).view(np.int64)
+        self._look[:], self._sheet[:] = table[:, :LOOK].T, table[:, LOOK : 2 * LOOK].T
+        self._sets[FAR], self._near[:] = np.ascontiguousarray(
+            table[:, 2 * LOOK : 2 * LOOK + 2].T
+        ).view(np.int64)
+        self._room[:] = table[:, 2 * LOOK + 2 :]
         self._work["path"], time, highest = body.tolist()
         if not np.isnan(time):
             if self._mesh is None:
@@ -261,4 +299,8 @@ class SurfaceCorrection(NodeCorrection):
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Continue from `state()`; nodes look anew where the surface is."""
         self.segment[:] = state["segment"]
-        self._look[3] = -1.0
+        self._forget()
+
+    def _forget(self):
+        """Let nodes look anew where the surface is."""
+        self._look[3], self._sheet[3], self._room[:, 0] = -1.0, -1.0, 0.0

@@ -14,6 +14,10 @@ carries x, and goes straight to x + step. Its step is bounded by planes n . step
 A plane may stop what comes towards it and no more, so energy against the surface cannot grow; a
 node that starts inside is moved out at the recovery speed. nearest_step.py finds the step,
 plane_friction.py the friction, as with other bodies.
+
+Where two parts of the skin pass through each other, there is no place for a node between them.
+Their planes together would be a wedge of hard walls, which resists any pull along it. Flesh gives
+way: such a node is squeezed, and only the part that it touched last keeps it on its near side.
 """
 
 from collections.abc import Callable
@@ -43,6 +47,7 @@ CURVED = 1e-2, 1e-6  # nor than this part of the way, up to that many metres
 SHORT = 2e-5  # m: on a shorter way along one sheet the surface stays under the plane of its start
 LONG = 2e-3  # m: a longer way is looked along
 LOOKS = 400  # places looked at on a long way, at most
+OPPOSED = -0.8  # cosine between normals of two parts that close on a node that lies in both
 
 
 @kernel(makes_arrays=False)
@@ -215,6 +220,38 @@ def met_on_way(
 
 
 @kernel(makes_arrays=False)
+def _cosine(p, q):
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+
+
+@kernel(makes_arrays=False)
+def hold(k: int, work: Any, planes: np.ndarray, over: np.ndarray) -> None:
+    """Leave plane k alone, which lets the node go no deeper and moves it out later."""
+    p, q = planes[0], planes[k]
+    p.owner, p.depth, over[0] = q.owner, q.depth, over[k]
+    p.bound = q.bound - max(0.0, min(q.depth, work.recovery))
+    for c in range(3):
+        p.normal[c], p.drift[c] = q.normal[c], q.drift[c]
+    work.count = 1
+
+
+@kernel(makes_arrays=False)
+def squeezed(last: int, work: Any, planes: np.ndarray, over: np.ndarray) -> bool:
+    """Whether a node lies inside both parts of the first two planes; then one of them is left.
+
+    Both sides of one thin part look alike: parts are told by their owners.
+
+    last : owner touched in the last step, whose plane stays; else the first, which is nearer
+    """
+    p, q = planes[0], planes[1]
+    opposed = p.owner != q.owner and _cosine(p.normal, q.normal) < OPPOSED
+    if not opposed or min(p.depth, q.depth) <= INSIDE:
+        return False
+    hold(1 if q.owner == last and p.owner != last else 0, work, planes, over)
+    return True
+
+
+@kernel(makes_arrays=False)
 def book_surface(
     x: np.ndarray,
     v: np.ndarray,
@@ -224,7 +261,7 @@ def book_surface(
     over: np.ndarray,
     mesh: Any,
     start: Any,
-    at_vertices: np.ndarray,
+    acting: Any,
 ) -> int:
     """Book the impulses of all planes at the vertices; the plane that pushes most, or -1."""
     dt, most, greatest = work.dt, -1, 0.0
@@ -244,23 +281,24 @@ def book_surface(
         b1, b2, h = numbers_of(start.vertices, mesh.triangles, over[k], x[0], x[1], x[2])
         add_impulse(
             start.vertices, mesh.triangles, over[k], b1, b2, h, work.impulse, done, rubbed,
-            pressed, at_vertices,
+            pressed, acting,
         )  # fmt: skip
     return most
 
 
 @cache
 def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel meet_surface(x, v, mass, found, second, other, local, ...) of a law of friction.
+    """Kernel meet_surface(i, x, v, mass, found, second, other, local, ...) of a law of friction.
 
-    x, v : (3,), position at t [m] and velocity [m/s], unchanged; `work.change` is filled
+    i : int, number of the node; x, v : (3,), position at t [m] and velocity [m/s], unchanged;
+        `work.change` is filled
     found : triangle, b1, b2, distance, normal, smooth or not at the start, see `gap_at`
     second : the same of what faces another way, if there is `other`
     local : whether nothing but the sheet found is near
     last : owner touched in the last step; asked : sets of triangles that count
     highest : of the smooth surface over the flat one [m]
     planes (PLANES,) PLANE, over (PLANES,) int, stack, bounds : scratch
-    owners : (nt,) int; at_vertices : (nv, 6), added to
+    owners : (nt,) int; acting : Acting, added to; beds : (), as the body is hard
 
     Returns the triangle that pushes most, or -1; the triangle looked at last; the depth [m] of
     the start.
@@ -269,8 +307,8 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
 
     @kernel(makes_arrays=False)
     def meet_surface(
-        x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
-        end, planes, over, stack, bounds, owners, at_vertices,
+        i, x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
+        end, planes, over, stack, bounds, owners, acting, beds,
     ):  # fmt: skip
         for c in range(3):
             work.free[c] = work.dt * v[c]
@@ -282,13 +320,21 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
         # what may be left of the depth at the end; `tau` has no other use here
         work.tau = max(0.0, work.depth - work.recovery)
         upward = work.recovery if work.depth > INSIDE else 0.0
+        held = False
         if other:
             add_carried(x, second, mesh, start, end, owners, work, planes, over)
+            held = squeezed(last, work, planes, over)
         for turn in range(ROUNDS):
             push_out(last, work, planes)
-            if work.pushing != 0 and work.friction[0] > 0.0:
+            pushing = work.pushing
+            if pushing != 0 and work.friction[0] > 0.0:
                 apply_friction(mass, work, planes)
-            if work.pushing == PINCHED or turn == ROUNDS - 1:
+                if work.pushing == PINCHED and pushing != PINCHED:
+                    # friction on one wall drives the node into the other
+                    hold(max(work.first, 0), work, planes, over)
+                    push_out(last, work, planes)
+                    held = True
+            if work.pushing == PINCHED or held or turn == ROUNDS - 1:
                 break
             met, above, n0, n1, n2, deep = met_on_way(
                 x, smooth, local, asked, t, highest, work, mesh, end, planes, stack, bounds
@@ -300,23 +346,30 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
             above -= n0 * planes[0].drift[0] + n1 * planes[0].drift[1] + n2 * planes[0].drift[2]
             u0, u1, u2 = drift(before, after, corners, met, b1, b2, h)
             above += n0 * u0 + n1 * u1 + n2 * u2
+            facing = n0 * planes[0].normal[0] + n1 * planes[0].normal[1] + n2 * planes[0].normal[2]
+            apart = owners[met] != planes[0].owner and facing < OPPOSED
+            if apart and above < -INSIDE and work.depth > INSIDE:
+                held = True
+                break
             height = min(-above - work.tau, upward)
             add_plane(x, met, n0, n1, n2, u0, u1, u2, height, deep, owners[met], work, planes, over)
             t = met
+        if held:
+            work.pushing = PINCHED
         if work.pushing == 0:
             return -1, t, work.depth
+        work.pinched += work.pushing == PINCHED
         for c in range(3):
             work.change[c] = 0.0
             for k in range(work.count):
                 push = planes[k].push * planes[k].normal[c]
                 work.change[c] += (push + planes[k].friction[c]) / work.dt
-        most = book_surface(x, v, mass, work, planes, over, mesh, start, at_vertices)
+        most = book_surface(x, v, mass, work, planes, over, mesh, start, acting)
         if most < 0:
-            return -1, t, work.depth
+            # a squeezed node stays with its part, whether that pushes or not
+            return (over[max(work.first, 0)] if work.pushing == PINCHED else -1), t, work.depth
         work.active += 1
         work.sticking += work.stick
-        if work.pushing == PINCHED:
-            work.pinched += 1
         return over[most], over[most], work.depth
 
     return meet_surface

@@ -9,6 +9,11 @@ the surface (surface_node.py).
 A node near the surface also asks how far the closest triangle is that faces another way. Nothing
 but one sheet, a graph over its tangent plane, is within that distance, and until it is used up the
 node is followed from triangle to triangle (smooth.py) without asking the tree.
+
+A followed node that is too far from its sheet for this step has room: part of its distance, and
+where it is seen from the triangle under it. Until the node has moved, and the triangle turned and
+stretched, by that much, looked at from the end of a step, nothing else is asked; and nothing at all
+before both may have gone as far as what is left.
 """
 
 from collections.abc import Callable
@@ -17,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.geometry.triangle_mesh.carried import forget_acting
 from contact.geometry.triangle_mesh.closest import (
     closest,
     closest_facing,
@@ -30,11 +36,13 @@ from .broad_phase import clearance_left, mark_away
 from .step_record import ALLOWED, FAR, SEGMENT_TOUCHED
 from .surface_node import gap_at, surface_node_kernel
 
-ALL = -1  # every bit
 ROUNDOFF = 1e-12  # m, of a distance
-SHEET = 0.015  # m: how far around a node near the surface it is looked for other sheets, at least
+SHEET = 0.025  # m: how far around a node near the surface it is looked for other sheets, at least
 FACING = 0.5  # cosine of the angle between normals of one sheet, at least
-KEPT = 8.0  # steps: a distance that lasts so long is worth that the sheet is forgotten
+KEPT = 64.0  # steps: a distance that lasts so long is worth that the sheet is forgotten
+ROOM = 10  # numbers kept: room [m]; from a corner of the triangle the node and the others (9) [m]
+PART = 0.5  # of a distance, that is room: normals of neighbours may turn too
+WORTH = 1e-4  # m, of room, to be kept
 
 
 @kernel(makes_arrays=False)
@@ -53,34 +61,78 @@ def is_outside(mesh: Any, placed: Any, t: int, x0: float, x1: float, x2: float) 
 @kernel(makes_arrays=False)
 def followed(
     mesh: Any, placed: Any, t: int, x0: float, x1: float, x2: float
-) -> tuple[int, float, float, float, float, float, float, bool]:
-    """Where x is over the sheet around triangle t, see `gap_at`; triangle -1 if it is lost."""
+) -> tuple[int, float, float, float, float, float, float, bool, float]:
+    """Where x is over the sheet around triangle t, see `gap_at`; triangle -1 if it is lost.
+
+    Last the flat distance [m] to triangle t, no less than that to the sheet.
+    """
     square = on_triangle(placed.vertices, mesh.triangles, t, x0, x1, x2)[0]
     over, b1, b2, gap, n0, n1, n2 = smooth_gap(mesh, placed, t, square, x0, x1, x2)
-    return over, b1, b2, gap, n0, n1, n2, True
+    return over, b1, b2, gap, n0, n1, n2, True, np.sqrt(square)
+
+
+@kernel(makes_arrays=False)
+def set_look(
+    look: np.ndarray, i: int, x0: float, x1: float, x2: float, left: float, path: float
+) -> None:
+    """Let node i be `left` [m] from something at x, where surfaces had gone `path` [m]."""
+    look[0, i], look[1, i], look[2, i], look[3, i], look[4, i] = x0, x1, x2, left, path
+
+
+@kernel(makes_arrays=False)
+def keep_room(
+    mesh: Any, placed: Any, t: int, x0: float, x1: float, x2: float, room: float, kept: np.ndarray
+) -> None:
+    """Fill what is kept (ROOM,) of a node at x over triangle t that has `room` [m] before it."""
+    v, corners = placed.vertices, mesh.triangles
+    i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
+    kept[0] = room
+    kept[1], kept[2], kept[3] = x0 - v[i, 0], x1 - v[i, 1], x2 - v[i, 2]
+    kept[4], kept[5], kept[6] = v[j, 0] - v[i, 0], v[j, 1] - v[i, 1], v[j, 2] - v[i, 2]
+    kept[7], kept[8], kept[9] = v[k, 0] - v[i, 0], v[k, 1] - v[i, 1], v[k, 2] - v[i, 2]
+
+
+@kernel(makes_arrays=False)
+def room_left(
+    mesh: Any, placed: Any, t: int, x0: float, x1: float, x2: float, kept: np.ndarray
+) -> float:
+    """What is left [m] of the room of a node that is at x now, seen from the triangle."""
+    v, corners = placed.vertices, mesh.triangles
+    i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
+    o0, o1, o2 = v[i, 0], v[i, 1], v[i, 2]
+    d0, d1, d2 = x0 - o0 - kept[1], x1 - o1 - kept[2], x2 - o2 - kept[3]
+    e0, e1, e2 = v[j, 0] - o0 - kept[4], v[j, 1] - o1 - kept[5], v[j, 2] - o2 - kept[6]
+    f0, f1, f2 = v[k, 0] - o0 - kept[7], v[k, 1] - o1 - kept[8], v[k, 2] - o2 - kept[9]
+    gone = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+    turned = np.sqrt(e0 * e0 + e1 * e1 + e2 * e2) + np.sqrt(f0 * f0 + f1 * f1 + f2 * f2)
+    return kept[0] - gone - turned
 
 
 @cache
-def surface_kernel(kinetic_coefficient: Callable) -> Any:
+def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_node_kernel) -> Any:
     """Kernel correct(x, v, old, mass, dt, ...) of a law of friction, see `SurfaceCorrection`.
+
+    of_node : gives the kernel that a node meets the surface by; beds : what that one wants besides
 
     0, or the number + 1 of a node that is not finite.
 
-    fixed (n,), sets (SETS, n), look (LOOK, n), last (n,) int : what nodes keep, see step_record.py
-    and `SurfaceCorrection`; away (n,), planes (PLANES,), over (PLANES,), stack, bounds : work
-    impulse (n, 3), at_vertices (nv, 6) : of this step, filled; window (n, 3) : added to
+    fixed (n,), sets (SETS, n), look (LOOK, n) : what nodes keep, see step_record.py
+    sheet (LOOK, n) : the same of what is not the sheet near a node; last (n,) int, triangle found
+    last; room (n, ROOM), see `keep_room`, room[:, 0] = 0: none
+    away (n,), planes (PLANES,), over (PLANES,), stack, bounds : work
+    impulse (n, 3), acting Acting : of this step, filled; window (n, 3) : added to
     """
-    meet_surface = surface_node_kernel(kinetic_coefficient)
+    meet_surface = of_node(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
     def correct(
-        x, v, old, mass, dt, fixed, sets, look, last, away, step, smooth, highest, mesh, start,
-        end, planes, over, stack, bounds, owners, impulse, window, at_vertices,
+        x, v, old, mass, dt, fixed, sets, look, sheet, last, room, away, step, smooth, highest,
+        mesh, start, end, planes, over, stack, bounds, owners, impulse, window, acting, beds,
     ):  # fmt: skip
         work = step[0]
         work.dt, work.recovery = dt, work.recovery_speed * dt
         if work.active > 0:
-            at_vertices[:] = 0.0
+            forget_acting(acting)
             impulse[:] = 0.0
         work.evaluated, work.active, work.sticking, work.pinched = 0, 0, 0, 0
         work.max_depth = work.pinch_depth = 0.0
@@ -98,31 +150,47 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
                 continue
             x0, x1, x2, asked = x[i, 0], x[i, 1], x[i, 2], sets[ALLOWED, i]
             reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2) + work.motion
-            least = work.offset + highest + work.recovery + 2.0 * reach
+            needed = work.offset + work.recovery + reach
             left = -1.0
-            if smooth and sets[FAR, i] == 0 and last[i] >= 0:
-                left = clearance_left(x, i, work.path, work.motion, look)
-            local = False
-            if left > least:
-                found = followed(mesh, start, last[i], x0, x1, x2)
-                local = found[0] >= 0 and abs(found[3]) < left
-                local = local and mesh.sets[found[0]] & asked != 0
-                second, other = found, False
-            if not local:
+            if smooth and asked & ~sets[FAR, i] == 0 and last[i] >= 0:
+                left = clearance_left(x, i, work.path, work.motion, sheet)
+            local = known = other = False
+            if left > needed:
+                if room[i, 0] > 0.0:
+                    y0, y1, y2 = x0 + dt * v[i, 0], x1 + dt * v[i, 1], x2 + dt * v[i, 2]
+                    rest = room_left(mesh, end, last[i], y0, y1, y2, room[i])
+                    if rest > 0.0:
+                        rest = min(rest + 0.5 * room[i, 0], left - needed)
+                        set_look(look, i, y0, y1, y2, rest, work.path + work.motion)
+                        continue
+                lead = followed(mesh, start, last[i], x0, x1, x2)
+                found = lead[:8]
+                # nearer than anything else: the closest triangle is one of the sheet
+                known = found[0] >= 0 and max(abs(found[3]), lead[8]) < left
+                known = known and mesh.sets[found[0]] & asked != 0
+                second = found
+                # at the end of the step too
+                local = known and left > max(abs(found[3]), lead[8]) + reach + needed
+            room[i, 0] = 0.0
+            if not known:
                 t, square = closest(mesh, start, x0, x1, x2, asked, last[i], stack, bounds)
                 work.evaluated += 1
                 if t < 0:
                     continue
-                last[i], sets[FAR, i] = t, 0
-                look[0, i], look[1, i], look[2, i] = x0, x1, x2
-                look[3, i], look[4, i] = -1.0, work.path
+                last[i], sets[FAR, i] = t, asked
+                look[3, i] = -1.0
+                set_look(sheet, i, x0, x1, x2, -1.0, work.path)
                 clear = np.sqrt(square) - highest - work.offset - ROUNDOFF
-                if clear > (KEPT * reach if smooth else reach):
-                    if is_outside(mesh, start, t, x0, x1, x2):
-                        look[3, i], sets[FAR, i] = clear, ALL
-                        continue
+                lasts = clear > KEPT * reach
+                if clear > reach and not lasts:
+                    found = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
+                    lasts = not found[7]
+                if lasts and is_outside(mesh, start, t, x0, x1, x2):
+                    set_look(look, i, x0, x1, x2, clear, work.path)
+                    continue
                 found = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
-                limit = max(SHEET, 2.0 * least)
+                flat = np.sqrt(square)
+                limit = max(SHEET, 8.0 * reach) if found[7] else needed
                 t, square = closest_facing(
                     mesh, start, x0, x1, x2, asked, found[4], found[5], found[6], FACING, limit,
                     stack, bounds,
@@ -130,21 +198,27 @@ def surface_kernel(kinetic_coefficient: Callable) -> Any:
                 second, other = found, False
                 if t >= 0:
                     limit = np.sqrt(square)
-                    other = limit <= work.offset + reach + work.recovery
+                    other = limit <= needed
                     if other:
                         second = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
                         # from outside, the far side of a thin part is behind it, not beside
                         other = found[3] <= 0.0 or second[3] > 0.0
                 if found[7]:
-                    look[3, i] = limit
+                    left = sheet[3, i] = limit
+                    local = not other and limit > max(abs(found[3]), flat) + reach + needed
             last[i] = found[0]
-            if found[3] - work.offset > reach and not other:
+            gap = found[3] - work.offset
+            if gap > reach and not other:
+                if found[7] and PART * gap > WORTH:
+                    keep_room(mesh, start, found[0], x0, x1, x2, PART * gap, room[i])
+                    rest = min(1.5 * PART * gap, left - work.offset - work.recovery)
+                    set_look(look, i, x0, x1, x2, rest, work.path)
                 continue
             for c in range(3):
                 work.kick[c] = v[i, c] - old[i, c]
             pushing, near, depth = meet_surface(
-                x[i], v[i], mass[i], found, second, other, local, touched, smooth, asked, highest,
-                work, mesh, start, end, planes, over, stack, bounds, owners, at_vertices,
+                i, x[i], v[i], mass[i], found, second, other, local, touched, smooth, asked,
+                highest, work, mesh, start, end, planes, over, stack, bounds, owners, acting, beds,
             )  # fmt: skip
             last[i] = near
             if work.pushing == -1:

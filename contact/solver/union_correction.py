@@ -14,6 +14,7 @@ from contact.body.segments import Pose
 
 from .contact_ledger import Ledger
 from .friction import Friction
+from .node_correction import NodeCorrection
 from .surface_correction import SurfaceCorrection
 from .velocity_correction import LOOKS, VelocityCorrection
 
@@ -38,6 +39,7 @@ class UnionCorrection:
         if surface.body is not shapes.body:
             raise ValueError("a surface and shapes that are met together are of one body: name it")
         self.shapes, self.surface, self.body = shapes, surface, shapes.body
+        self._parts: tuple[NodeCorrection, ...] = (shapes, surface)
         self._mask = shapes.body.mask(names)
         self.fixed, self.allowed = surface.fixed, surface.allowed
         n, m = shapes.last.impulse.shape[0], len(shapes.last.table)
@@ -56,8 +58,7 @@ class UnionCorrection:
     ) -> None:
         """Correct v for the step from t to t + dt; see `VelocityCorrection.__call__`."""
         shapes, surface, last = self.shapes, self.surface, self.last
-        np.bitwise_and(self.allowed, self._mask, out=shapes.allowed)
-        np.copyto(shapes.fixed, self.fixed)
+        self._limit_shapes()
         np.copyto(self._free, v)
         old = self._free if v_old is None else v_old
         shapes(x, v, mass, dt, t, old)
@@ -75,6 +76,37 @@ class UnionCorrection:
         self.window.add(last)
         np.copyto(self.segment, surface.segment)
         np.copyto(self.segment, shapes.segment, where=surface.segment < 0)
+
+    def _limit_shapes(self):
+        """Let the shapes know of changes: nodes that are fixed, and what nodes can touch."""
+        np.bitwise_and(self.allowed, self._mask, out=self.shapes.allowed)
+        np.copyto(self.shapes.fixed, self.fixed)
+
+    def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float, least: float) -> np.ndarray:
+        """See `NodeCorrection.may_touch`."""
+        return np.logical_or(*(part.may_touch(nodes, v, dt, least) for part in self._parts))
+
+    def preview(
+        self,
+        nodes: np.ndarray,
+        x: np.ndarray,
+        v: np.ndarray,
+        mass: np.ndarray,
+        dt: float,
+        t: float,
+        friction: Friction | None = None,
+    ) -> tuple[np.ndarray, int, int]:
+        """See `NodeCorrection.preview`."""
+        self._limit_shapes()
+        active = sticking = 0
+        for part in self._parts:
+            v, pushed, stuck = part.preview(nodes, x, v, mass, dt, t, friction)
+            active, sticking = active + pushed, sticking + stuck
+        return v, active, sticking
+
+    def normal_give(self, nodes: np.ndarray, dt: float) -> np.ndarray:
+        """See `NodeCorrection.normal_give`."""
+        return np.minimum(*(part.normal_give(nodes, dt) for part in self._parts))
 
     @property
     def friction(self) -> Friction:
@@ -97,32 +129,32 @@ class UnionCorrection:
     @property
     def evaluated(self) -> int:
         """Closest points computed in the last step."""
-        return self.shapes.evaluated + self.surface.evaluated
+        return sum(part.evaluated for part in self._parts)
 
     @property
     def active(self) -> int:
         """Nodes in contact in the last step, twice where both push."""
-        return self.shapes.active + self.surface.active
+        return sum(part.active for part in self._parts)
 
     @property
     def sticking(self) -> int:
         """Of these in stick."""
-        return self.shapes.sticking + self.surface.sticking
+        return sum(part.sticking for part in self._parts)
 
     @property
     def pinched(self) -> int:
         """Nodes to which two parts of the body left no room in the last step."""
-        return self.shapes.pinched + self.surface.pinched
+        return sum(part.pinched for part in self._parts)
 
     @property
     def max_depth(self) -> float:
         """Deepest start of the last step below an offset surface [m]."""
-        return max(self.shapes.max_depth, self.surface.max_depth)
+        return max(part.max_depth for part in self._parts)
 
     @property
     def pinch_depth(self) -> float:
         """The same of pinched nodes [m]."""
-        return max(self.shapes.pinch_depth, self.surface.pinch_depth)
+        return max(part.pinch_depth for part in self._parts)
 
     def reset(self) -> None:
         """Begin a new window."""

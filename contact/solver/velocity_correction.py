@@ -23,7 +23,6 @@ from numpy.typing import ArrayLike
 from contact.body.pose_check import body_jumps
 from contact.body.segment_sets import SETS as BITS
 from contact.body.segments import Body, Pose
-from contact.kernel import kernel
 
 from .correction_step import correction_kernel
 from .friction import Friction
@@ -35,29 +34,10 @@ from .step_record import (
     GUARDS,
     LOOK,
     NODE,
-    set_friction,
 )
 from .supporting_planes import PLANE
 
 LOOKS = 1 + LOOK + GUARDS * GUARD  # numbers a node in `VelocityCorrection.looks`
-
-
-@kernel(makes_arrays=False)
-def mark_touching(
-    nodes: np.ndarray,
-    v: np.ndarray,
-    away: np.ndarray,
-    segment: np.ndarray,
-    time: float,
-    motion: float,
-    least: float,
-    may: np.ndarray,
-) -> None:
-    """Fill may (k,) bool, see `VelocityCorrection.may_touch`, for a time of 2 dt [s]."""
-    for k in range(len(nodes)):
-        way = time * np.sqrt(v[k, 0] ** 2 + v[k, 1] ** 2 + v[k, 2] ** 2)
-        near = not away[nodes[k]] > way + motion and way > least
-        may[k] = near or segment[nodes[k]] >= 0
 
 
 class VelocityCorrection(NodeCorrection):
@@ -166,58 +146,27 @@ class VelocityCorrection(NodeCorrection):
     def _kernel_of(self, friction: Friction) -> Any:
         return correction_kernel(friction.kinetic_coefficient)
 
-    def may_touch(self, nodes: np.ndarray, v: np.ndarray, dt: float, least: float) -> np.ndarray:
-        """Whether nodes (k,) int with velocities v (k, 3) touch the body or may, in a step dt [s].
-
-        By what the last step has found: a node that the body reaches suddenly is missed, and one
-        that does not touch it yet and goes by less than `least` [m] in two steps.
-        """
-        may = np.empty(len(nodes), np.bool_)
-        motion = float(self._work["motion"])
-        mark_touching(nodes, v, self._away, self.segment, 2.0 * dt, motion, least, may)
-        return may
-
-    def preview(
-        self,
-        nodes: np.ndarray,
-        x: np.ndarray,
-        v: np.ndarray,
-        mass: np.ndarray,
-        dt: float,
-        t: float,
-        friction: Friction | None = None,
-    ) -> tuple[np.ndarray, int, int]:
-        """What a call would make of velocities v (k, 3) of some nodes (k,) int; nothing is kept.
-
-        x, mass : (k, 3), (k,), of these; friction : in place of that of the contact
-
-        Returns their velocities (k, 3), how many are pushed and how many of them stick.
-        """
-        self._move(t, t + dt)
-        k, scratch = len(nodes), self._scratch
-        if scratch is None or len(scratch[3]) < k:
-            # records are copied as bytes: field by field it takes longer than all else
-            step = self._step.copy()
+    def _scratch_of(self, k):
+        """Guards, looks and books for k nodes that are asked in advance, as they are at first."""
+        scratch = self._scratch
+        if scratch is None or len(scratch[0]) < k:
             scratch = self._scratch = (
-                step, step.view(np.uint8), self._step.view(np.uint8),
                 np.zeros((2 * k, GUARDS, GUARD)), np.zeros((LOOK, 2 * k)), np.zeros(2 * k),
                 np.zeros((2, 2 * k, 3)), np.zeros((2, *self.last.table.shape)), np.zeros(0),
             )  # fmt: skip
-        step, asked, own, guards, look, away, impulse, table, beds = scratch
-        asked[:] = own
-        correct = self._correct
-        if friction is not None:
-            set_friction(step, friction)
-            correct = correction_kernel(friction.kinetic_coefficient)
+        guards, look, away, impulse, table, beds = scratch
         guards[:k], look[:] = 0.0, 0.0
         look[3] = -1.0
-        after = v.copy()
+        return guards[:k], np.ascontiguousarray(look[:, :k]), away[:k], impulse[:, :k], table, beds
+
+    def _ask(self, nodes, x, v, old, mass, dt, step, correct):
+        guards, look, away, impulse, table, beds = self._scratch_of(len(nodes))
+        sets = np.take(self._sets, nodes, axis=1)
         correct(
-            x, after, v, mass, dt, self.fixed[nodes], self._sets[:, nodes],
-            np.ascontiguousarray(look[:, :k]), guards[:k], away[:k], self._gaps, self._node, step,
-            self._segments, self._planes, beds, impulse[0, :k], table[0], impulse[1, :k], table[1],
+            x, v, old, mass, dt, self.fixed[nodes], sets, look,
+            guards, away, self._gaps, self._node, step, self._segments, self._planes, beds,
+            impulse[0], table[0], impulse[1], table[1],
         )  # fmt: skip
-        return after, int(step[0]["active"]), int(step[0]["sticking"])
 
     def _move(self, start, end):
         """Poses at the two times; the end of one step usually is the start of the next."""

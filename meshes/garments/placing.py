@@ -48,11 +48,16 @@ def waist_by_shape(surface: Surface) -> np.ndarray:
         unlike = [abs(np.log(girths[k - 2] / girths[k - 1])) for k in range(3)]
         return loops[int(np.argmin(unlike))]
     known = names_of(surface.edges)
-    shirt = ", as a shirt has, which hangs on the shoulders" if len(loops) > 3 else ""
+    shirt = ""
+    if len(loops) > 3:
+        shirt = (
+            ", as a shirt has, which hangs on the shoulders: of these sewing patterns alone are "
+            "put on, with hangs = 'shoulders' under [garment]. For others"
+        )
     raise MeshError(
         f"{surface.source}: there is no edge 'waist' (edges: {known}), and its {len(loops)} "
-        f"openings do not tell which is the waist{shirt}: garments hang at the waist here; name it "
-        "or give waist='highest', the name of an edge or a locator."
+        f"openings do not tell which is the waist{shirt}: name it or give waist='highest', the "
+        "name of an edge or a locator."
     )
 
 

@@ -44,26 +44,8 @@ def prepare_garment(surface: Surface, waist: str | Locator | None = None) -> Sur
     MeshError : for a faulty mesh (see `check`), several pieces, no waist or more than one, a waist
         below the hems, and a waist whose girth nobody wears, which is mostly a slip of unit.
     """
-    surface = surface.replace(verify=True)
+    surface, loops = outward(surface, "at the waist")
     source = surface.source
-    piece = pieces(surface.cells)
-    if piece.max() > 0:
-        raise MeshError(
-            f"{source}: the garment is in {piece.max() + 1} pieces (cells 0 and "
-            f"{int(np.argmax(piece > 0))} are not joined), join them with "
-            "meshes.merge_duplicates or weld_m under [garment], or dress them one by one."
-        )
-    loops = boundary_loops(surface)
-    if not loops:
-        raise MeshError(f"{source}: the mesh is closed, open it at the waist to put it on.")
-    if _enclosed_volume(surface, loops) < 0.0:
-        assert surface.directors is not None  # what has passed the check has them
-        turned = surface.cells[:, TURNED[surface.cells.shape[1]]]
-        flat = surface.flat
-        if flat is not None:
-            flat = turned_flat(flat, np.ones(len(turned), bool))
-        surface = surface.replace(cells=turned, directors=-surface.directors, flat=flat)
-        loops = boundary_loops(surface)
     place = _waist_place(surface, loops, waist)
     middles = np.array([surface.points[loop].mean(axis=0) for loop in loops])
     _check_size(surface, loops[place])
@@ -79,6 +61,34 @@ def prepare_garment(surface: Surface, waist: str | Locator | None = None) -> Sur
     if warp is None:
         warp = _downward(surface, middles[place])
     return surface.replace(edges=_names(surface, loops, place, middles), warp=warp)
+
+
+def outward(surface: Surface, where: str) -> tuple[Surface, list[np.ndarray]]:
+    """The checked garment, facing outward, and its boundary loops.
+
+    where : it has to be open, in words. MeshError for a faulty mesh, several pieces, a closed one
+    """
+    surface = surface.replace(verify=True)
+    source = surface.source
+    piece = pieces(surface.cells)
+    if piece.max() > 0:
+        raise MeshError(
+            f"{source}: the garment is in {piece.max() + 1} pieces (cells 0 and "
+            f"{int(np.argmax(piece > 0))} are not joined), join them with "
+            "meshes.merge_duplicates or weld_m under [garment], or dress them one by one."
+        )
+    loops = boundary_loops(surface)
+    if not loops:
+        raise MeshError(f"{source}: the mesh is closed, open it {where} to put it on.")
+    if _enclosed_volume(surface, loops) < 0.0:
+        assert surface.directors is not None  # what has passed the check has them
+        turned = surface.cells[:, TURNED[surface.cells.shape[1]]]
+        flat = surface.flat
+        if flat is not None:
+            flat = turned_flat(flat, np.ones(len(turned), bool))
+        surface = surface.replace(cells=turned, directors=-surface.directors, flat=flat)
+        loops = boundary_loops(surface)
+    return surface, loops
 
 
 def regions(surface: Surface) -> dict[str, np.ndarray]:

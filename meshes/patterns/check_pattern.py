@@ -6,6 +6,7 @@ All of it is looked at before anything is meshed; every sentence names file, pan
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,6 +17,7 @@ from .pattern import Panel, SewingPattern, Side, Stitch
 
 EASE = 2.5  # longer over shorter side of a seam; a gathered skirt has 1.5 to 2
 SHORTEST = 1e-4  # of an edge [m]
+LAYERS = ("facing", "interfacing", "lining", "pocket")  # words of names of panels
 SIZES = (0.01, 5.0)  # of the largest panel [m]; a pocket, a ball gown
 
 
@@ -39,8 +41,21 @@ def check_pattern(pattern: SewingPattern) -> None:
             f"{source}: its largest panel is {widest:.3g} m long, which no garment has: give the "
             "file's unit (unit under [garment]: m, cm, mm or in)."
         )
+    _check_layers(pattern)
     check_stitches(pattern, pattern.stitches)
     _check_pairs(pattern)
+
+
+def _check_layers(pattern: SewingPattern) -> None:
+    """MeshError for a panel that lies on another one: layers are not placed apart."""
+    for panel in pattern.panels:
+        layer = next((w for w in re.findall("[a-z]+", panel.name.lower()) if w in LAYERS), None)
+        if layer is not None:
+            raise MeshError(
+                f"{pattern.source}: panel '{panel.name}' is a {layer}, which lies on another "
+                "layer, and layers of a pattern are not placed apart here: leave it out, or name "
+                "it otherwise if it is none."
+            )
 
 
 def _check_outline(panel: Panel, where: str) -> None:

@@ -60,6 +60,8 @@ def read_dxf(path: Path, size: str | None = None, unit: str | None = None) -> Se
         raise MeshError(
             f"{name}: no block has a boundary on layer 1: export the pattern as AAMA or ASTM."
         )
+    if size is not None and size not in pieces:
+        _check_rules([*blocks, drawing.modelspace()], texts, size, name)
     chosen = _of_size(pieces, size, texts.get("SAMPLE SIZE"), name)
     panels = []
     for _, piece, pair in chosen:
@@ -67,6 +69,26 @@ def read_dxf(path: Path, size: str | None = None, unit: str | None = None) -> Se
         if pair:
             panels.append(piece.mirrored(f"{piece.name}_mirrored"))
     return SewingPattern(name, tuple(panels))
+
+
+def _check_rules(blocks, texts, size, name):
+    """MeshError where a size that is not drawn would come of grade rules, numbered '# 12'."""
+    numbers = (
+        entity.dxf.text
+        for block in blocks
+        for entity in block.query("TEXT")
+        if re.fullmatch(r"\s*#\s*\d+\s*", entity.dxf.text)
+    )
+    table = texts.get("GRADE RULE TABLE")
+    if table is None and next(numbers, None) is None:
+        return
+    sample = texts.get("SAMPLE SIZE")
+    raise MeshError(
+        f"{name}: size {size!r} (size under [garment]) is not drawn but graded by rules"
+        f"{f' of the table {table}' if table else ''}, and rules are not applied here: export the "
+        "pattern as a nest, with every size drawn, or leave size out for the sample size"
+        f"{f' {sample}' if sample else ''}."
+    )
 
 
 def _of_size(pieces, size, sample, name):

@@ -36,6 +36,7 @@ STANDING = {
     "right_upper_arm": Axis((0.0, -0.2, 1.4), (0.0, -0.7, -0.7)),
 }
 ASIDE = 0.25  # of a panel's breadth, see `side_of`
+HELD_OUT = np.radians(70.0)  # of arms from straight down, where the file does not place sleeves
 _WORDS = {"sleeve": "upper_arm", "leg": "thigh", "trouser": "thigh", "pant": "thigh"}
 
 
@@ -118,6 +119,35 @@ def place_panels(pattern: SewingPattern, axes: Mapping[str, Axis] | None = None)
             origin = np.array([0.5 * (low[0] + high[0]), high[1]])
             rolled[panel.name] = (axes[segment], angle, radius, origin)
     return Places(flat, rolled)
+
+
+def goes_about_arms(pattern: SewingPattern) -> bool:
+    """Whether a panel is a sleeve, or goes about the upper body: the garment hangs on shoulders."""
+    return any(
+        "sleeve" in panel.name.lower() or (panel.about or "").endswith(("thorax", "arm"))
+        for panel in pattern.panels
+    )
+
+
+def sleeve_angle(pattern: SewingPattern) -> float:
+    """Mean angle [rad] from straight down at which the sleeves lie before they are sewn.
+
+    From the middle of a sleeve's panel to that of its edges that are not sewn; HELD_OUT of sleeves
+    on cylinders, and where there are none.
+    """
+    places = place_panels(pattern)
+    sewn = {side for s in pattern.stitches for side in (*s.first, *s.second)}
+    angles = []
+    for panel in pattern.panels:
+        if panel.name not in places.flat:
+            continue
+        outline = places.put(panel, panel.outline())
+        side = side_of(outline[:, 1])
+        open_ends = [e.at([0.0, 0.5, 1.0]) for e in panel.edges if (panel.name, e.name) not in sewn]
+        if side and open_ends:
+            way = places.put(panel, np.concatenate(open_ends)).mean(axis=0) - outline.mean(axis=0)
+            angles.append(np.arctan2(side * way[1], -way[2]))
+    return float(np.mean(angles)) if angles else HELD_OUT
 
 
 def _segment(name):

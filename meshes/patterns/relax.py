@@ -6,8 +6,8 @@ of a node's neighbours pulls it a little, which stands for bending. Panels that 
 each other are opened by a pressure inside, which is taken away again. Each step gives every spring
 its direction, then solves for all nodes at once (projective dynamics, Bouaziz, Martin, Liu, Kavan
 and Pauly, ACM Trans. Graph. 33, 2014). Nodes across the plane between the legs of a body are held
-to it, and when the pressure is gone those inside the body to its surface, which grows from its
-axes; which these are is looked up every ROUND steps, and the matrix factored.
+to it, and when the pressure is gone (or before) those inside the body to its surface, which grows
+from its axes; which these are is looked up every ROUND steps, and the matrix factored.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ ROUND = 20  # steps
 APART = 0.004  # of the legs of a garment from the plane between them [m]
 GROWN = 0.6  # part of the steps with a body until this has its whole breadth
 THIN = 0.2  # breadth that it has at first
+THREAD = 0.5  # breadth of a body that is inside from the beginning
 
 
 class StandingBody(NamedTuple):
@@ -65,6 +66,7 @@ def relax(
     steps: int,
     side: np.ndarray | None = None,
     body: StandingBody | None = None,
+    threaded: bool = False,
 ) -> np.ndarray:
     """Points (n, 3) after so many steps.
 
@@ -72,7 +74,8 @@ def relax(
     ----------
     points : (n, 3); cells : (m, 4), facing outward; flat : (m, 4, 2), corners in their panels [m]
     side : (n,) 1 for nodes that stay at y >= 0, -1 for y <= 0, 0 for others, or None
-    body : that the garment goes around, or None
+    body : that the garment goes around, or None; threaded : it is in there from the beginning, of
+        the breadth THREAD, so that sleeves cannot leave their arms while they are blown up
     """
     from scipy.sparse import coo_matrix, diags, identity
     from scipy.sparse.linalg import splu
@@ -90,8 +93,9 @@ def relax(
     for step in range(steps):
         blown = step < INFLATED * steps
         grown = (step / steps - INFLATED) / (GROWN * (1.0 - INFLATED))
-        breadth = THIN + (1.0 - THIN) * min(grown, 1.0)
-        free = _allowed(x, side, None if blown else body, breadth)
+        thin = THREAD if threaded else THIN
+        breadth = thin + (1.0 - thin) * min(max(grown, 0.0), 1.0)
+        free = _allowed(x, side, None if blown and not threaded else body, breadth)
         wanted = BENDING[0] if blown else BENDING[1]
         if step % ROUND == 0 or wanted != stiffness:
             now = np.any(free != x, axis=1)

@@ -34,6 +34,7 @@ def sew(
     body: StandingBody | None = None,
     steps: int = 600,
     top: float | None = None,
+    threaded: bool = False,
 ) -> Surface:
     """Surface of the sewn garment, about where its panels are placed.
 
@@ -44,6 +45,7 @@ def sew(
         a standing person, see `placing.STANDING`
     body : a standing body that the garment is sewn around, None: around nothing
     steps : of the relaxation, 0 for none
+    threaded : whether the body is inside from the beginning, see `relax.relax`
     top : height [m] to which the highest point of the panels is brought before they are sewn
 
     Returns
@@ -91,7 +93,7 @@ def sew(
     shape = points
     if steps:
         side = sides_of(points, list(panels.values()), cells)
-        shape = relax(points, turned.cells, flat, steps, side, body)
+        shape = relax(points, turned.cells, flat, steps, side, body, threaded)
     notes = *pattern.notes, *ease_notes(pattern), *_crossing_note(pattern, shape, turned.cells)
     return turned.replace(
         points=shape,

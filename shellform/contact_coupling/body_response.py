@@ -3,8 +3,8 @@
 
 The contact of the body is asked in advance, as often as sweeps need it; it is computed and booked
 once, afterwards. From its answers: nodes that stick to the body cannot move, those that slide move
-along it. Its normal is the direction of the push without friction. Asked are nodes that touched
-the body in the step before, and fast ones that were near it.
+along it, and those on flesh go into it too. Its normal is the direction of the push without
+friction. Asked are nodes that touched the body in the step before, and fast ones that were near.
 """
 
 from typing import Any
@@ -16,7 +16,6 @@ import numpy as np
 from contact.kernel import kernel
 from contact.self_contact.solver import Answer, Respond
 from contact.solver.friction import Friction
-from contact.solver.velocity_correction import VelocityCorrection
 
 FRICTIONLESS = Friction(0.0)
 SLIDES = 1e-6  # of the normal impulse: friction this near to the kinetic one is that of slip
@@ -28,6 +27,7 @@ def leave(
     after: np.ndarray,
     pushes: np.ndarray,
     kinetic: float,
+    give: np.ndarray,
     held: np.ndarray,
     free: np.ndarray,
     left: np.ndarray,
@@ -37,6 +37,7 @@ def leave(
     u, after : (k, 3), velocities that it was given and that it made of them, of which those held by
         supports, held (k, 3) bool, are set back [m/s]
     pushes : (k, 3), along its normals, where it pushes without friction; kinetic : coefficient
+    give : (k,), part of a change along the normal that it leaves, see `normal_give` of corrections
     """
     for i in range(len(u)):
         pushed, along, square, size = False, 0.0, 0.0, 0.0
@@ -66,6 +67,13 @@ def leave(
                         one = (a == c) - pushes[i, a] * pushes[i, c] / size
                         other = (a == e) - pushes[i, a] * pushes[i, e] / size
                         left[i, c, e] += one * free[i, a, a] * other
+        if pushed and size > 0.0 and give[i] > 0.0:
+            normal = 0.0
+            for a in range(3):
+                normal += free[i, a, a] * pushes[i, a] * pushes[i, a] / size
+            for c in range(3):
+                for e in range(3):
+                    left[i, c, e] += give[i] * normal * pushes[i, c] * pushes[i, e] / size
 
 
 def of_all_ranks(comm: Any, mine: Answer | None) -> Answer | None:
@@ -84,12 +92,11 @@ def of_all_ranks(comm: Any, mine: Answer | None) -> Answer | None:
     return nodes, after, found[:, 4:].copy().reshape(-1, 3, 3)
 
 
-def response(
-    correction: VelocityCorrection, cloth: Any, stepper: Any, x: np.ndarray, dt: float
-) -> Respond:
+def response(correction: Any, cloth: Any, stepper: Any, x: np.ndarray, dt: float) -> Respond:
     """Answers of a body in a step of dt [s], for `SelfContactSolver.solve`.
 
-    correction : contact of the nodes; cloth : ExplicitSelfContact; x : (n_owned, 3), positions [m]
+    correction : NodeCorrection or UnionCorrection of the nodes; cloth : ExplicitSelfContact
+    x : (n_owned, 3), positions [m]
     """
     comm, own = stepper.shell.comm, cloth.own
     normals: list[np.ndarray] = []
@@ -111,13 +118,15 @@ def response(
         u, left = v[whole], np.empty_like(free)
         ask = correction.preview
         after, active, sticking = ask(nodes, y, u, mass, dt, stepper.time)
-        if sticking < active and not normals:
+        give = correction.normal_give(nodes, dt)
+        if (sticking < active or give.any()) and not normals:
             normal = after - u
             if correction.friction.static > 0.0:
                 normal = ask(nodes, y, u, mass, dt, stepper.time, FRICTIONLESS)[0] - u
             normals.append(normal)
         kinetic = correction.friction.kinetic
-        leave(u, after, normals[0] if normals else after - u, kinetic, held, free, left)
+        pushes = normals[0] if normals else after - u
+        leave(u, after, pushes, kinetic, give, held, free, left)
         return whole, after, left
 
     return respond

@@ -38,7 +38,8 @@ class Contact:
         steps)
     flesh_stiffness : float [Pa/m] or None: of the body where two parts of it press cloth against
         each other (explicit steps, contact/solver/soft_contact.py); None: hard
-    flesh : Flesh or None: of the body everywhere (explicit steps, contact/body/flesh_bed.py)
+    flesh : Flesh or None: of the body everywhere, or of the surface by the segments that its
+        triangles belong to (explicit steps, contact/body/flesh_bed.py)
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
     surface : SurfaceMotion or None: closed surface of triangles bound to segments of the body,
         which is met instead of their own shapes (explicit steps)
@@ -104,8 +105,6 @@ class Contact:
             for name, left_out in (("flesh_stiffness", None), ("samples", "nodes")):
                 if getattr(self, name) not in (left_out, 0):
                     raise ValueError(f"a contact with flesh takes no {name}: leave it out")
-            if self.surface is not None:
-                raise ValueError("a surface of triangles has no flesh yet: leave `flesh` out")
             self.flesh.beds(self.body.names)
         if not (isinstance(self.recovery, Real) and self.recovery > 0):
             raise ValueError(f"the recovery speed is positive, in m/s, not {self.recovery!r}")
@@ -113,12 +112,6 @@ class Contact:
             raise ValueError(
                 f"self_contact is True, False or a SelfContact, not {self.self_contact!r}"
             )
-        for name in ("surface", "flesh"):
-            if self.self_contact and getattr(self, name) is not None:
-                raise ValueError(
-                    f"cloth on cloth goes with hard segments, not with a `{name}` of the body so "
-                    f"far: leave `self_contact` or `{name}` out"
-                )
 
     def attach(self, stepper: Any) -> RunningContact:
         """The running contact of a stepper.

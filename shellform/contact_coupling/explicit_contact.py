@@ -122,7 +122,7 @@ class ExplicitContact(RunningContact):
 
             self.correction = correction_of(
                 surface, body, n, friction, offset, fixed, recovery, smooth, samples,
-                flesh_stiffness, shapes,
+                flesh_stiffness, shapes, flesh, areal,
             )  # fmt: skip
         elif flesh is not None:
             # its kernels are loaded for flesh only

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.body.flesh_bed import Flesh
 from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.solver.surface_correction import SurfaceCorrection
@@ -28,13 +29,15 @@ def correction_of(
     samples: int | str,
     flesh_stiffness: float | None,
     shapes: Sequence[str],
+    flesh: Flesh | None,
+    areal_mass: float,
 ) -> Any:
     """The correction for a contact as described, see `Contact`.
 
     Raises
     ------
-    ValueError for what surfaces of triangles do not know: samples inside cells, and soft flesh;
-    for shapes without a body that has them
+    ValueError for what surfaces of triangles do not know: samples inside cells, flesh between two
+    parts only, and shapes beside flesh; for shapes without a body that has them
     """
     if samples not in ("nodes", 0):
         raise ValueError(
@@ -43,13 +46,24 @@ def correction_of(
         )
     if flesh_stiffness is not None:
         raise ValueError(
-            f"a surface of triangles knows no soft flesh between its parts, as of "
-            f"{flesh_stiffness} Pa/m: leave `flesh_stiffness` out"
+            "a surface of triangles has no flesh between its parts alone, as of "
+            f"{flesh_stiffness} Pa/m: leave `flesh_stiffness` out, or give `flesh`"
         )
     owner = body if isinstance(body, Body) else None
-    skin = SurfaceCorrection(
-        surface, nodes, owner, friction, offset, fixed=fixed, recovery=recovery, smooth=smooth
-    )
+    how: dict[str, Any] = {"fixed": fixed, "recovery": recovery, "smooth": smooth}
+    if flesh is not None:
+        if shapes:
+            raise ValueError(
+                f"the shapes of {', '.join(shapes)} are met as hard ones, and the surface has "
+                "flesh: leave `shapes` or `flesh` out"
+            )
+        # its kernels are loaded for flesh only
+        from contact.solver.surface_flesh import SurfaceFleshCorrection
+
+        return SurfaceFleshCorrection(
+            surface, nodes, owner, friction, offset, **how, flesh=flesh, areal_mass=areal_mass
+        )
+    skin = SurfaceCorrection(surface, nodes, owner, friction, offset, **how)
     if not shapes:
         return skin
     if owner is None:

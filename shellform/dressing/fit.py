@@ -16,8 +16,11 @@ USUAL = 0.06
 AWAY = 2  # cells from the waist that count as the belt's
 
 
-def fit(stepper: Newmark, belt: Belt) -> dict:
+def fit(stepper: Newmark, belt: Belt | None) -> dict:
     """How the garment sits: depth in the body, stretch, what the belt does; on all ranks.
+
+    What has no belt, `belt` None, has none of its figures but `carried`, the force [N] by which the
+    body holds it up: its weight, at rest.
 
     `belt_tension` is measured by what holds against it: a cable presses with its tension times the
     angle by which it turns. On the nodes of the waist that is the outward force of the body,
@@ -31,6 +34,20 @@ def fit(stepper: Newmark, belt: Belt) -> dict:
     drag, stepper.drag = stepper.drag, 0.0
     stepper.advance(stepper.time + 200 * stepper.dt)
     stepper.drag = drag
+    found = {
+        "depth": max(comm.allgather(max(contact.max_depth, 0.0))),
+        "stretch": float(elongation(shell.positions(), shell.directors(), surface).max()),
+        "pinched": comm.allreduce(contact.pinched),
+    }
+    if belt is None:
+        force = contact.window.table[:, 2].sum() / contact.window.seconds
+        return found | {"carried": comm.allreduce(float(force))}
+    return found | _held(stepper, belt)
+
+
+def _held(stepper, belt):
+    """What the belt was asked for, has, and presses the body with [N]."""
+    contact, comm = require_contact(stepper, "the fit of a garment"), stepper.shell.comm
     ring = Ring(stepper, "waist")
     x = ring.look(stepper)
     body, cloth = np.zeros((2, *x.shape))
@@ -45,12 +62,9 @@ def fit(stepper: Newmark, belt: Belt) -> dict:
         float(np.sum(comm.allreduce(force) * outward) / size.sum()) for force in (body, cloth)
     )
     return {
-        "depth": max(comm.allgather(max(contact.max_depth, 0.0))),
-        "stretch": float(elongation(shell.positions(), shell.directors(), surface).max()),
         "belt_asked": belt.tension,
         "belt_tension": pressed + resisted,
         "belt_pressed": pressed,
-        "pinched": comm.allreduce(contact.pinched),
     }
 
 
@@ -82,9 +96,11 @@ def stretch_warning(stretch: float, most: float, source: str) -> str | None:
 
 
 def near_waist(surface: Surface) -> np.ndarray:
-    """Mask (n,) of the points at the waist and up to AWAY cells from it."""
+    """Mask (n,) of the points at the waist, if it has one, and up to AWAY cells from it."""
     cells = surface.cells[:, :4]
     near = np.zeros(len(surface.points), bool)
+    if "waist" not in surface.edges:
+        return near
     near[np.unique(surface.edges["waist"])] = True
     for _ in range(AWAY):
         near[np.unique(cells[near[cells].any(axis=1)])] = True

@@ -52,6 +52,12 @@ class Growing:
         """See `SurfaceMotion`."""
         return self.skin.centres(t, out)
 
-    def add_to_segments(self, t: float, at_vertices: np.ndarray, book: np.ndarray) -> None:
+    def add_to_segments(
+        self,
+        t: float,
+        at_vertices: np.ndarray,
+        book: np.ndarray,
+        pushed: np.ndarray | None = None,
+    ) -> None:
         """See `SurfaceMotion`."""
-        self.skin.add_to_segments(t, at_vertices, book)
+        self.skin.add_to_segments(t, at_vertices, book, pushed)

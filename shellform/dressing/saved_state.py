@@ -50,14 +50,14 @@ def save(path: str | Path, stepper: Newmark, wearer: Wearer) -> None:
 def put_on(
     path: str | Path,
     stepper: Newmark,
-    tension: float,
+    tension: float | None,
     dressing: Dressing | None = None,
-) -> tuple[Belt, dict]:
+) -> tuple[Belt | None, dict]:
     """Put on the garment of a file and let it settle on the wearer in contact.
 
     Returns
     -------
-    belt : Belt of `tension` [N], which stays; report : of `settle`
+    belt : Belt of `tension` [N], which stays, None without one; report : of `settle`
 
     Raises
     ------

@@ -22,7 +22,7 @@ AT_LEAST = 0.1  # s, that cloth is given to find the body it now lies on
 
 def settle(
     stepper: Newmark,
-    belt: Belt,
+    belt: Belt | None,
     dressing: Dressing,
     watch: Watch = unwatched,
     every: float = 0.05,
@@ -46,27 +46,33 @@ def settle(
     return report
 
 
-def settle_again(stepper: Newmark, tension: float, dressing: Dressing) -> tuple[Belt, dict]:
+def settle_again(
+    stepper: Newmark, tension: float | None, dressing: Dressing
+) -> tuple[Belt | None, dict]:
     """Hold cloth that lies on the wearer by a belt of `tension` [N], and let it settle there.
+
+    What hangs on the shoulders is held by none, `tension` None.
 
     It is given AT_LEAST seconds, which the report's `seconds` leave out, as neither the body nor
     the model of the cloth need be those it was draped with.
 
     Returns
     -------
-    belt : Belt, which stays; report : of `settle`
+    belt : Belt, which stays, or None; report : of `settle`
     """
     with borrowed(stepper):
-        belt = stepper.add(Belt("waist", tension))
+        belt = None if tension is None else stepper.add(Belt("waist", tension))
         return belt, settle_on(stepper, belt, dressing)
 
 
-def settle_on(stepper: Newmark, belt: Belt, dressing: Dressing) -> dict:
-    """As `settle_again`, held by a belt that is there; the report of `settle`."""
+def settle_on(
+    stepper: Newmark, belt: Belt | None, dressing: Dressing, watch: Watch = unwatched
+) -> dict:
+    """As `settle_again`, held by a belt that is there, or by none; the report of `settle`."""
     with borrowed(stepper):
         stepper.time = _start_of_motion(stepper) - dressing.settle
         stepper.advance(stepper.time + AT_LEAST)
-        return settle(stepper, belt, dressing)
+        return settle(stepper, belt, dressing, watch)
 
 
 def _start_of_motion(stepper: Newmark) -> float:

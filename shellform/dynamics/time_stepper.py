@@ -7,6 +7,7 @@ nodal field w, brought up to date at the end of each `advance`.
 
 import weakref
 from collections.abc import Callable
+from numbers import Real
 from typing import Any
 
 from petsc4py import PETSc
@@ -155,8 +156,12 @@ class Stepper:
     def remove(self, part: Part) -> None:
         """Let a part run no longer."""
         self.parts.remove(part)
+        if part is self.self_contact:
+            self.self_contact = None
         if part is self.contact:
             self.contact = None
+            if self.self_contact not in self.parts:  # it had its turn with the body's
+                self.self_contact = None
 
     def set_contact(self, contact: RunningContact) -> None:
         """Take over a contact; ValueError if there is one, or if its books came first."""
@@ -267,8 +272,8 @@ class Stepper:
 
 def check_time(until: float) -> None:
     """ValueError for a time that no number of steps reaches."""
-    if not np.isfinite(until):
-        raise ValueError(f"steps lead to a finite time in s, not to {until}")
+    if not isinstance(until, Real) or not np.isfinite(until):
+        raise ValueError(f"steps lead to a finite time in s, not to {until!r}")
 
 
 class _Context:

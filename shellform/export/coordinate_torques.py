@@ -8,6 +8,8 @@ ankles of gait models are hinges: the torque is that about the wearer's axis of 
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from shellform.motion.joint_coordinates import coordinates
 from shellform.motion.recording import JOINTS, Recording
@@ -16,16 +18,20 @@ from shellform.motion.wearer import Wearer
 from .opensim_names import PELVIS, Coordinate, to_ground
 
 
-def angles(recording: Recording, chosen: tuple[Coordinate, ...]) -> dict[str, np.ndarray]:
+def angles(
+    recording: Recording, chosen: tuple[Coordinate, ...], hips: ArrayLike
+) -> dict[str, np.ndarray]:
     """Coordinates of the pelvis and the joints in n frames, name -> (n,) [rad], [m].
 
-    The pelvis is where the middle of the hip centres is, along the ground's axes.
+    hips : (3,) [m], middle of the hips in the model's pelvis, ahead, up, right. The pelvis is put
+    where its hips have their middle in that of the wearer's, along the ground's axes.
     """
     # axes of the world in place of a heading, which then is in the pelvis's turn
     turns = coordinates(recording.points, np.eye(3)).angles
     tilt, lean, turn = turns["pelvis"].T
     found = dict(zip(PELVIS, (-tilt, lean, turn), strict=True))
-    ground = to_ground(recording.points["pelvis"][:, 1])
+    upright = Rotation.from_euler("ZXY", np.stack([found[name] for name in PELVIS], axis=1))
+    ground = to_ground(recording.points["pelvis"][:, 1]) - upright.apply(np.asarray(hips))
     found |= {f"pelvis_t{axis}": ground[:, k] for k, axis in enumerate("xyz")}
     for c in chosen:
         segment = JOINTS[c.joint][1]

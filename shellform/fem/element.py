@@ -87,13 +87,14 @@ def energy_terms(
     membrane: str,
     curvature: str,
     thick: bool,
+    stiffer: np.ndarray | None = None,
 ) -> list[Term]:
     """Terms of the strain energy that an element, a fabric and a law need.
 
     Parameters
     ----------
     partition : of the surface
-    fabric, law, membrane, curvature, thick : see `Shell`
+    fabric, law, membrane, curvature, thick, stiffer : see `Shell`
 
     The membrane of quads by six lengths (`has_six_lengths`) is not among them.
     """
@@ -102,6 +103,8 @@ def energy_terms(
     V = strains.voigt(M)
     matrices = ("membrane", "coupling", "bending", "third_moment", "fourth_moment", "shear")
     A, B, D, E, F, S = (Constant(mesh, np.array(getattr(fabric, m))) for m in matrices)
+    if stiffer is not None:
+        D = cell_numbers(partition, stiffer) * D
     b = B if np.any(fabric.coupling) else None
     ratio = np.trace(fabric.shear) / (fabric.bending[0, 0] + fabric.bending[1, 1])
     cap = strains.shear_cap(mesh, Constant(mesh, float(ratio)))
@@ -206,6 +209,14 @@ def cell_axes(partition: Partition, directional: bool) -> Expr:
         return strains.lamina(partition.mesh, warp)
     at_rest = strains.flat_configuration(partition.mesh, partition.flat_field)
     return strains.lamina(partition.mesh, warp, at_rest.g)
+
+
+def cell_numbers(partition: Partition, values: np.ndarray) -> Expr:
+    """Numbers (m,) of the surface's cells as a field that is constant in each."""
+    field = Function(vector_space(partition.mesh, "DG", 0, 1))
+    # dolfinx renumbers cells; field numbering follows its own cells
+    field.x.array[:] = values[partition.cells]
+    return field[0]
 
 
 def warp_field(partition: Partition) -> Expr:

@@ -111,7 +111,8 @@ class InternalForce:
         warp = cell_warp(shell.surface, shell.fabric, partition)
         directors = shell.reference.x.array.reshape(-1, 6)[:, 3:]
         fabric, flat = shell.fabric, partition.flat
-        return QuadForce(points, directors, cells, warp, fabric, shell.relaxed, flat)
+        stiffer = None if shell.stiffer is None else shell.stiffer[partition.cells]
+        return QuadForce(points, directors, cells, warp, fabric, shell.relaxed, flat, stiffer)
 
     def _pack(self, k, form):
         """Constants, coefficients, and the columns of the latter that hold w and its rates."""

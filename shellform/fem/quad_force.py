@@ -43,7 +43,7 @@ class QuadForce:
     ----------
     points, directors : (n, 3), reference state; cells : (m, 4) int, nodes in tensor order
     warp : (3,), (m, 3) or None; fabric : Sheet
-    relaxed : bool; flat : (m, 4, 3) or None, see `quad_rest.at_rest`
+    relaxed : bool; flat : (m, 4, 3) or None, stiffer : (m,) or None, see `quad_rest.at_rest`
 
     Attributes
     ----------
@@ -63,6 +63,7 @@ class QuadForce:
         fabric: Sheet,
         relaxed: bool = False,
         flat: np.ndarray | None = None,
+        stiffer: np.ndarray | None = None,
     ) -> None:
         self._ffi, self._library = library(SOURCE, DECLARATIONS)
         width = self._library.lanes()
@@ -75,7 +76,9 @@ class QuadForce:
         arrays = [
             np.ascontiguousarray(blocks, np.int32),
             np.ascontiguousarray(points, float),
-            in_blocks(at_rest(points, directors, cells, warp, fabric, relaxed, flat), width),
+            in_blocks(
+                at_rest(points, directors, cells, warp, fabric, relaxed, flat, stiffer), width
+            ),
         ]
         self.nbytes = sum(array.nbytes for array in arrays)
         kinds = ["int[]", *["double[]"] * 2]

@@ -25,6 +25,7 @@ def at_rest(
     fabric: Sheet,
     relaxed: bool = False,
     flat: np.ndarray | None = None,
+    stiffer: np.ndarray | None = None,
 ) -> np.ndarray:
     """Numbers of the cells of a sheet.
 
@@ -34,6 +35,7 @@ def at_rest(
     warp : (3,), (m, 3) or None
     relaxed : bool, for the membrane relaxed by wrinkles
     flat : (m, 4, 3), corners of cells that are flat without stress, see `corners_at_rest`
+    stiffer : (m,), bending stiffness of each cell over that of the fabric; None: 1
 
     Returns
     -------
@@ -45,6 +47,8 @@ def at_rest(
     X, D = corners_at_rest(points, directors, cells, flat)
     dx, dd = (a[:, SECOND] - a[:, FIRST] for a in (X, D))
     shear, bending = _stiffness(X, warp, fabric)
+    if stiffer is not None:
+        bending *= stiffer[:, None]
     parts = [shear, bending, *_shear_and_curvature(dx, dd, D)]
     B, modes, area = six_lengths(X, warp, fabric.membrane)
     measures = _dot(dx, dx), _dot(dx, dd), _dot(dd, dd)

@@ -43,6 +43,7 @@ from .shell_arguments import (
     check_coupling,
     check_friction,
     check_relaxed,
+    check_stiffer,
     warn_of_corners,
 )
 from .sliders import Sliders, friction_terms
@@ -83,6 +84,9 @@ class Shell:
         their size (material/wrinkling.py); the latter for 4-node quads with arcs.
     curvature : 'turning' (default) or 'plain'
         Curvature by turning angles or by x,a . d,b. Ignored by 9-node quads.
+    stiffer : (m,) or None
+        Bending stiffness of each cell over that of the fabric, as at seams; None: 1. For quadratic
+        laws without friction, triangles and 4-node quads in the default form.
     thick : bool
         Keep the strain quadratic in the thickness coordinate (matters for t kappa > 0.1).
 
@@ -117,6 +121,7 @@ class Shell:
         curvature: str = "turning",
         thick: bool = False,
         wrinkles: str = "resolved",
+        stiffer: np.ndarray | None = None,
     ):
         check_arguments(surface, fabric, membrane, curvature, wrinkles)
         if surface.cells.shape[1] == 4 and not comm.rank:
@@ -131,6 +136,9 @@ class Shell:
         self.relaxed = wrinkles == "relaxed"
         self.options: dict = {"membrane": membrane, "curvature": curvature, "thick": thick}
         check_friction(surface, fabric, self.in_default_form)
+        self.stiffer = None if stiffer is None else np.asarray(stiffer, float)
+        if self.stiffer is not None:
+            check_stiffer(self.stiffer, surface, fabric, self.law, self.in_default_form)
         self.partition = partition = Partition(surface, comm)
         self.comm, self.mesh, self.space = comm, partition.mesh, partition.space
         self.w, self.reference = Function(self.space, name="w"), Function(self.space)
@@ -156,7 +164,9 @@ class Shell:
     @cached_property
     def weak_form(self) -> WeakForm:
         """Energy, virtual work and tangent in UFL; made when first needed."""
-        terms = energy_terms(self.partition, self.fabric, self.law, **self.options)
+        terms = energy_terms(
+            self.partition, self.fabric, self.law, **self.options, stiffer=self.stiffer
+        )
         return self._form(terms)
 
     def _form(self, terms):

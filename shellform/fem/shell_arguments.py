@@ -54,6 +54,24 @@ def check_friction(surface: Surface, fabric: Sheet, in_default_form: bool) -> No
         )
 
 
+def check_stiffer(
+    stiffer: np.ndarray, surface: Surface, fabric: Sheet, law: StVenant, in_default_form: bool
+) -> None:
+    """ValueError for factors of the cells' bending stiffness that are none, or have no form."""
+    if stiffer.shape != (len(surface.cells),) or not (np.isfinite(stiffer) & (stiffer > 0)).all():
+        raise ValueError(
+            f"stiffer has the shape {stiffer.shape} with numbers from {stiffer.min():g}: give one "
+            f"number above 0 for each of the {len(surface.cells)} cells of {surface.source}"
+        )
+    bends = law.is_quadratic("bending") and fabric.friction is None
+    if not bends or surface.degree == 2 or not in_default_form:
+        raise ValueError(
+            "cells that are stiffer than the others are of cloth that bends linearly and without "
+            "friction, in triangles or 4-node quads in their default form: take another fabric or "
+            "law, or leave the factors out"
+        )
+
+
 def check_relaxed(
     surface: Surface, fabric: Sheet, law: StVenant, membrane: str, thick: bool
 ) -> None:

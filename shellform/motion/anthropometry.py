@@ -235,18 +235,18 @@ def _trunk(long, size, scale):
         ("abdomen", ABDOMEN, WAIST, size["waist"], WAIST_SHAPE),
     ):
         shrink = np.sqrt(1 - ((level - up) / half) ** 2)
-        depth = around / shrink / _perimeter(1.0, shape)
+        depth = around / shrink / perimeter(1.0, shape)
         centre = np.array([0.5 * long["pelvis"] - up * scale, 0.0, 0.0])
         rows.append((name, "pelvis", centre, np.array([half * scale, depth, shape * depth])))
     return rows
 
 
-def _perimeter(a, b):
-    """Perimeter of an ellipse of semi-axes a, b (Abramowitz and Stegun 17.3.3)."""
+def perimeter(a: float, b: float) -> float:
+    """Perimeter [m] of an ellipse of semi-axes a, b [m] (Abramowitz and Stegun 17.3.3)."""
     large, small = max(a, b), min(a, b)
     return 4 * large * ellipe(1 - (small / large) ** 2)
 
 
-def _other_axis(perimeter, a):
+def _other_axis(length, a):
     """Semi-axis of an ellipse from its perimeter and the other semi-axis [m]."""
-    return brentq(lambda b: _perimeter(a, b) - perimeter, 1e-6 * a, perimeter / 4, xtol=1e-12)
+    return brentq(lambda b: perimeter(a, b) - length, 1e-6 * a, length / 4, xtol=1e-12)

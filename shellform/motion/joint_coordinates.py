@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A pose of the lower body as angles of its joints, and back.
+"""A pose of the body as angles of its joints, and back.
 
 Axes of each segment run ahead, to the left and up when the wearer stands. Those of a segment turn
 against those of the segment above it by flexion about left, then by abduction about ahead, then by
 rotation about up (Grood and Suntay, J. Biomech. Eng. 105, 1983); the pelvis turns against axes that
-stand in the world. Each segment hangs at its hinge: hip, knee, ankle, the pelvis at its centre.
+stand in the world. Each segment hangs at its hinge: hip, knee, ankle, the trunk at the top of the
+pelvis, shoulder, elbow; the pelvis at its centre.
 
 Ranges of motion are those of the American Academy of Orthopaedic Surgeons (Joint Motion, 1965),
 where it gives them, with room for how markers sit.
@@ -18,11 +19,11 @@ from scipy.spatial.transform import Rotation
 from contact.body.segment_frame import pose_from_markers
 
 from .proportions import SIGN
-from .recording import JOINTS, SEGMENTS
+from .recording import ALL_JOINTS, SEGMENTS, UPPER_SEGMENTS
 
-ABOVE = {below: above for above, below, _ in JOINTS.values()}
-HINGE = {below: hinge for _, below, hinge in JOINTS.values()}
-CHAIN = SEGMENTS  # each after the one that it hangs at
+ABOVE = {below: above for above, below, _ in ALL_JOINTS.values()}
+HINGE = {below: hinge for _, below, hinge in ALL_JOINTS.values()}
+CHAIN = (*SEGMENTS, *UPPER_SEGMENTS)  # each after the one that it hangs at
 ORDER = "YXZ"
 
 # segment -> (least, greatest) [rad] of flexion, abduction, rotation of the joint above it, flexion
@@ -34,6 +35,9 @@ RANGE_OF_MOTION = {
         "thigh": ((-30.0, 125.0), (-30.0, 45.0), (-45.0, 45.0)),
         "shank": ((-5.0, 150.0), (-10.0, 10.0), (-30.0, 30.0)),
         "foot": ((-50.0, 30.0), (-35.0, 35.0), (-35.0, 35.0)),
+        "thorax": ((-30.0, 80.0), (-35.0, 35.0), (-45.0, 45.0)),
+        "arm": ((-60.0, 180.0), (-10.0, 180.0), (-90.0, 90.0)),
+        "forearm": ((-10.0, 150.0), (-20.0, 20.0), (-90.0, 90.0)),
     }.items()
 }
 
@@ -71,7 +75,7 @@ def coordinates(points: dict[str, np.ndarray], base: np.ndarray) -> Coordinates:
     for name in (n for n in CHAIN if n in points):
         track = points[name]
         centre, along = pose_from_markers(track[:, 0], track[:, 1], track[:, 2])
-        axes[name] = _anatomical(name, along)
+        axes[name] = anatomical_axes(name, along)
         hinge = centre
         above, upper = ABOVE.get(name), np.broadcast_to(base, axes[name].shape)
         arm = hinge
@@ -101,10 +105,10 @@ def points_of(angles: dict, arms: dict, local: dict, base: np.ndarray) -> dict[s
     return points
 
 
-def _anatomical(name, axes):
-    """Columns ahead, left, up (n, 3, 3) from the rows e1, e2, e3 of Eq. 17."""
+def anatomical_axes(name: str, axes: np.ndarray) -> np.ndarray:
+    """Columns ahead, left, up (n, 3, 3) of a segment from its rows e1, e2, e3 (n, 3, 3), Eq. 17."""
     e1, e2, e3 = np.moveaxis(axes, 1, 0)
-    if name == "pelvis":
+    if name in ("pelvis", "thorax"):
         return np.stack([e2, -e3, -e1], axis=2)
     left = SIGN[name.split("_")[0]] * e2
     if name.endswith("foot"):
@@ -118,6 +122,6 @@ def _into(axes, vectors):
 
 def _signs(name):
     """Of the Euler angles, so that flexion, dorsiflexion and abduction outward are positive."""
-    flexion = -1.0 if name.endswith(("thigh", "foot")) else 1.0
+    flexion = -1.0 if name.endswith(("thigh", "foot", "arm")) else 1.0
     side = name.split("_")[0]
     return np.array([flexion, SIGN.get(side, 1.0), 1.0])

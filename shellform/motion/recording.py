@@ -11,7 +11,11 @@ meaning of their three points:
     right_, left_foot     heel             toe end          lateral of the toe end
 
 so e1 runs down (forward in the foot) and e2 forward in the pelvis, outward in the legs. A recording
-may hold further segments and may lack feet.
+may lack feet, and holds those of the upper body only for garments that hang on it:
+
+    thorax                mid C7, jugulum  mid T10, xiphoid in front (of the jugulum)
+    right_, left_upper_arm  shoulder       elbow centre     lateral of the elbow
+    right_, left_forearm  elbow centre     wrist centre     lateral of the elbow
 """
 
 from dataclasses import dataclass, field
@@ -21,6 +25,8 @@ import numpy as np
 SIDES = ("right", "left")
 LEGS = tuple(f"{side}_{part}" for side in SIDES for part in ("thigh", "shank", "foot"))
 SEGMENTS = ("pelvis", *LEGS)
+ARMS = tuple(f"{side}_{part}" for side in SIDES for part in ("upper_arm", "forearm"))
+UPPER_SEGMENTS = ("thorax", *ARMS)
 
 # joint: the segment above, the one below, and whose point J1 (0) or J2 (1) is the centre
 JOINTS = {}
@@ -29,6 +35,13 @@ for _side in SIDES:
     JOINTS[f"{_side}_hip"] = ("pelvis", _thigh, (_thigh, 0))
     JOINTS[f"{_side}_knee"] = (_thigh, _shank, (_shank, 0))
     JOINTS[f"{_side}_ankle"] = (_shank, _foot, (_shank, 1))
+# of the upper body; the trunk turns against the pelvis at the top of this
+UPPER_JOINTS = {"lumbar": ("pelvis", "thorax", ("pelvis", 0))}
+for _side in SIDES:
+    _arm, _forearm = (f"{_side}_{part}" for part in ("upper_arm", "forearm"))
+    UPPER_JOINTS[f"{_side}_shoulder"] = ("thorax", _arm, (_arm, 0))
+    UPPER_JOINTS[f"{_side}_elbow"] = (_arm, _forearm, (_forearm, 0))
+ALL_JOINTS = JOINTS | UPPER_JOINTS  # each after those above it
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +98,7 @@ class Recording:
 
     def joint_centre(self, joint: str) -> np.ndarray:
         """Track (n, 3) of a joint's centre [m]."""
-        segment, end = JOINTS[joint][2]
+        segment, end = ALL_JOINTS[joint][2]
         return self.points[segment][:, end]
 
     def lengths(self) -> dict[str, tuple[float, float]]:

@@ -22,7 +22,7 @@ from contact.body.segments import Body, Pose
 from contact.geometry.ellipsoid import ellipsoid
 from contact.kernel import kernel
 
-from .recording import JOINTS, Recording
+from .recording import ALL_JOINTS, Recording
 
 # segment axis that a joint bends about, and its sign: flexion (dorsiflexion) is positive
 FLEXION = {
@@ -32,6 +32,11 @@ FLEXION = {
     "left_knee": ("left_thigh", 1, 1.0),
     "right_ankle": ("right_shank", 1, 1.0),
     "left_ankle": ("left_shank", 1, -1.0),
+    "lumbar": ("pelvis", 2, -1.0),
+    "right_shoulder": ("thorax", 2, 1.0),
+    "left_shoulder": ("thorax", 2, 1.0),
+    "right_elbow": ("right_upper_arm", 1, 1.0),
+    "left_elbow": ("left_upper_arm", 1, -1.0),
 }
 
 
@@ -108,9 +113,10 @@ class Wearer(Body):
                 )
         self._which = np.array([segments.index(s) for s in self.carriers])
         self._offsets = np.array([centre for _, _, centre, _ in ellipsoids], float)
-        self.joints = tuple(j for j, (a, b, _) in JOINTS.items() if a in segments and b in segments)
-        self._above = np.array([segments.index(JOINTS[j][0]) for j in self.joints], np.int64)
-        self._below = np.array([segments.index(JOINTS[j][1]) for j in self.joints], np.int64)
+        known = ALL_JOINTS.items()
+        self.joints = tuple(j for j, (a, b, _) in known if a in segments and b in segments)
+        self._above = np.array([segments.index(ALL_JOINTS[j][0]) for j in self.joints], np.int64)
+        self._below = np.array([segments.index(ALL_JOINTS[j][1]) for j in self.joints], np.int64)
         hinges = [FLEXION[j] for j in self.joints]
         self._hinge = ([segments.index(s) for s, _, _ in hinges], [axis for _, axis, _ in hinges])
         self._sign = np.array([sign for *_, sign in hinges])[:, None]
@@ -175,12 +181,12 @@ class Wearer(Body):
     def just_below(self, joint: str) -> list[str]:
         """Names of the ellipsoids on the segment just below a joint."""
         pairs = zip(self.names, self.carriers, strict=True)
-        return [name for name, segment in pairs if segment == JOINTS[joint][1]]
+        return [name for name, segment in pairs if segment == ALL_JOINTS[joint][1]]
 
     def below(self, joint: str) -> list[str]:
         """Names of the ellipsoids on the segments below a joint, the far ones included."""
-        reached = {JOINTS[joint][1]}
-        for above, under, _ in JOINTS.values():
+        reached = {ALL_JOINTS[joint][1]}
+        for above, under, _ in ALL_JOINTS.values():
             if above in reached:
                 reached.add(under)
         return [n for n, s in zip(self.names, self.carriers, strict=True) if s in reached]

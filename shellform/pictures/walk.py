@@ -175,9 +175,9 @@ def walk_figure(
             corner, size = obstacle
             if abs(corner[0] + 0.5 * size[0] - centre[0]) < 0.6:
                 draw_box(axes, corner, size, view)
-        low = (corners @ up).min()
+        low, high = (corners @ up).min(), (corners @ up).max()
         axes.set_xlim(centre @ right - 0.48, centre @ right + 0.48)
-        axes.set_ylim(low - 0.05, low + 1.4)
+        axes.set_ylim(low - 0.05, max(low + 1.4, high + 0.05))
         axes.set_title(f"{frame_number(frame.time, rate)}", fontsize=9, y=-0.08)
     axes = below.subplots()
     for curve, colour in zip(curves, COLOURS, strict=False):
@@ -223,8 +223,8 @@ def walk_animation(
             draw_box(axes, *obstacle, view)
         centre = corners.mean(axis=0)
         axes.set_xlim(centre @ right - 0.6, centre @ right + 0.6)
-        low = (corners @ up).min()
-        axes.set_ylim(low - 0.1, low + 1.4)
+        low, high = (corners @ up).min(), (corners @ up).max()
+        axes.set_ylim(low - 0.1, max(low + 1.4, high + 0.05))
         axes.set_axis_off()
         figure.canvas.draw()
         images.append(np.asarray(figure.canvas.buffer_rgba())[:, :, :3].copy())

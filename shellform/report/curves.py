@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from shellform.motion.gait.like_strides import alike
+from shellform.motion.gait.strides import side_of
 from shellform.results.ensemble import Band, band, estimate
 from shellform.results.mean_torque import PLACES, Course, on_strides
 
@@ -32,8 +33,7 @@ def torque_curves(run: FinishedRun) -> dict[str, dict[str, Any]]:
 
 
 def _over_phase(run, joint, course):
-    side = joint.partition("_")[0]
-    strides = np.array(run.results["strides"].get(side, []), float).reshape(-1, 2)
+    strides = np.array(run.results["strides"].get(side_of(joint), []), float).reshape(-1, 2)
     entry = {"percent": PLACES, "strides": [], "names": []}
     if not len(strides):
         return entry

@@ -66,7 +66,7 @@ def _rows(run):
         "fabric known from": fabric_source(run.fabric),
         "weight": f"{number(results['weight'])} N",
     }
-    if scene.belt:
+    if "belt_tension" in fit and scene.belt:
         rows["belt"] = (
             f"{number(fit['belt_tension'])} N, of it on the body {number(fit['belt_pressed'])} N"
         )

@@ -41,6 +41,7 @@ RANGES = {
     "person.mass": (25, 250, "a mass in kg, as 80"),
     "garment.weld": (0, 0.02, "a distance in m, as 1e-4; 0 joins nothing"),
     "garment.max_elongation": (0.01, 5, "0.18 for woven cloth; knitted cloth bears more"),
+    "garment.seam_bending": (0.1, 100, "4 to 8 for cloth folded double; 1 as the cloth"),
     "garment.cell_size": (0.004, 0.1, "a length in m, as 0.025"),
     "contact.friction": (0, 10, "0.3 is usual for cloth on skin, 1 for rubber"),
     "contact.kinetic_friction": (0, 10, "not above the static friction"),
@@ -57,6 +58,7 @@ RANGES = {
 }
 
 WRINKLES = ("auto", "relaxed", "resolved")
+HANGS = ("auto", "waist", "shoulders")
 
 
 def check_kinds(scene: Scene) -> None:
@@ -115,6 +117,10 @@ def check_numbers(scene: Scene) -> None:
         raise ValueError(
             f"garment.wrinkles is {', '.join(WRINKLES[:-1])} or {WRINKLES[-1]}, not "
             f"{scene.garment.wrinkles!r}"
+        )
+    if scene.garment.hangs not in HANGS:
+        raise ValueError(
+            f"garment.hangs is {', '.join(HANGS[:-1])} or {HANGS[-1]}, not {scene.garment.hangs!r}"
         )
     kinetic = scene.contact.kinetic_friction
     if kinetic is not None and kinetic > scene.contact.friction:

@@ -19,9 +19,10 @@ from shellform.motion.wearer import Wearer
 from .fit import check_fit, waist_height
 from .parts import Garment
 from .scene import Scene
+from .shoulders import hangs_on_shoulders, is_pattern
+from .wearer import dressing_wearer
 
 HIP_HEIGHT = 0.918  # of the hip joints of the person whom patterns fit as they are [m]
-PATTERNS = (".json", ".dxf", ".svg")  # endings of files with flat panels
 ASIDE, HIGHER = 0.05, 0.08  # a garment off its wearer's waist by more is moved there [m]
 HEM = 0.06  # height of the hems of trousers over the floor, at least [m]
 NO_MEASURES = ("size", "cell_size")  # of the arguments of a pattern
@@ -38,7 +39,12 @@ def garment_of(scene: Scene, wearer: Wearer) -> meshes.Surface:
     garment = scene.garment
     height, middle, heading = stance(wearer)
     waist = waist_height(wearer) - middle[2] + height
-    if garment.file is not None and Path(garment.file).suffix.lower() in PATTERNS:
+    if hangs_on_shoulders(garment):
+        # only here: the shirts' room is no other garment's
+        from .shirt import shirt_of
+
+        return shirt_of(garment, dressing_wearer(scene, wearer), scene.cell_size)
+    if is_pattern(garment):
         # only here: other garments are not sewn
         from .pattern import sewn_garment
 
@@ -199,6 +205,26 @@ def wrinkles_of(garment: Garment, surface: meshes.Surface, fabric: Sheet) -> str
             f"{surface.kind}s: mesh it with quads, or say 'resolved'"
         )
     return garment.wrinkles
+
+
+def stiffer_at_seams(garment: Garment, surface: meshes.Surface) -> np.ndarray | None:
+    """Bending stiffness (m,) of the cells over that of the cloth; None where it is the same.
+
+    ValueError for a garment without seams that are known
+    """
+    if garment.seam_bending == 1.0:
+        return None
+    seams = [line for name, line in surface.edges.items() if name.startswith("seam_")]
+    if not seams:
+        raise ValueError(
+            f"garment.seam_bending = {garment.seam_bending:g} is of sewing patterns, and "
+            f"{surface.source} has no seams that are known: leave it out"
+        )
+    n = len(surface.points)
+    sewn = np.sort(np.concatenate(seams)[:, :2], axis=1) @ [n, 1]
+    corners = surface.cells[:, : 3 if surface.kind == "triangle" else 4]
+    sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2) @ [n, 1]
+    return np.where(np.isin(sides, sewn).any(axis=1), garment.seam_bending, 1.0)
 
 
 def made_by_measures(

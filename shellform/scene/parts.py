@@ -80,6 +80,9 @@ class Garment:
     with graded sizes; measures :
     arguments of the kind's builder [m]; cell_size : of the cells [m], None: by the accuracy;
     max_elongation : of the dressed cloth, beyond which a run ends (0.18 for woven cloth);
+    hangs : on 'waist' or 'shoulders', which a sewing pattern alone can, or 'auto': on the shoulders
+    where a panel is a sleeve or goes about the upper body;
+    seam_bending : stiffness of the cells beside the seams of a pattern over that of the cloth;
     wrinkles : 'relaxed', those smaller than a cell take what compression they cannot bear,
     'resolved', cells alone fold, or 'auto', by the size of the cells.
 
@@ -106,6 +109,8 @@ class Garment:
     cell_size: float | None = with_unit(None, "m")
     max_elongation: float = 0.18
     wrinkles: str = "auto"
+    hangs: str = "auto"
+    seam_bending: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from meshes.patterns import Axis, StandingBody, Surface, read_pattern, sew
+from meshes.patterns import Axis, StandingBody, Surface, sew
 from meshes.repair import boundary_loops
 from meshes.topology import segments_of_line
 from shellform.motion.recording import SIDES
@@ -11,6 +11,7 @@ from shellform.motion.stance import stance
 from shellform.motion.wearer import Wearer
 
 from .parts import Garment
+from .shoulders import pattern_read
 
 CLEAR = 0.005  # of the cloth from the body while it is sewn [m]
 
@@ -28,10 +29,7 @@ def sewn_garment(
     ------
     meshes.MeshError for a pattern that cannot be sewn; ImportError without the reader's package
     """
-    unit = None if garment.unit == "m" else garment.unit
-    assert garment.file is not None
-    pattern = read_pattern(garment.file, garment.size, unit, garment.stitches or (), garment.about)
-    body = body_of(wearer)
+    pattern, body = pattern_read(garment), body_of(wearer)
     surface = sew(pattern, cell_size, axes_of(body, wearer, waist_height), body, top=waist_height)
     return _whole_loop(surface, garment.waist)
 

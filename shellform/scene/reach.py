@@ -21,19 +21,21 @@ def reachable(wearer: Wearer, surface: meshes.Surface, belt: float) -> np.ndarra
 
     No point of the garment gets farther from the waist edge than along the cloth, stretched by
     STRETCHED; the edge stays where it was put on the pelvis, or within SLIPPED of that. Without a
-    belt (tension `belt` [N]) a garment may fall off, and all ellipsoids count.
+    belt (tension `belt` [N]) a garment may fall off, and all ellipsoids count; what hangs on the
+    shoulders stays on the thorax, by its edge 'neck'.
     """
-    if belt == 0:
+    edge, name = ("neck", "thorax") if "thorax" in wearer.names else ("waist", "pelvis")
+    if belt == 0 and edge == "waist":
         return np.ones(len(wearer.names), bool)
-    k = wearer.index("pelvis")
+    k = wearer.index(name)
     pose = wearer.new_pose(wearer.start)
-    waist = surface.points[np.unique(surface.edges["waist"])]
-    waist = (waist - pose.centres[k]) @ pose.axes[k].T
-    limit = (1 + STRETCHED) * along_cloth(surface, "waist").max() + SLIPPED
+    held = surface.points[np.unique(surface.edges[edge])]
+    held = (held - pose.centres[k]) @ pose.axes[k].T
+    limit = (1 + STRETCHED) * along_cloth(surface, edge).max() + SLIPPED
     near = np.zeros(len(wearer.names), bool)
     for time in wearer.recording.times:
         pose = wearer.pose(time, pose)
-        at = pose.centres[k] + waist @ pose.axes[k]
+        at = pose.centres[k] + held @ pose.axes[k]
         for b in np.flatnonzero(~near):
             y = (at - pose.centres[b]) @ pose.axes[b].T
             radii = wearer.radii[b]

@@ -53,7 +53,9 @@ def key_of(item: Field) -> str:
 
 
 def as_scene(given: Scene | str | Path) -> Scene:
-    """A scene as it is, or read from a file."""
+    """A scene as it is, or read from a file; ValueError for what is neither."""
+    if not isinstance(given, Scene | str | Path):
+        raise ValueError(f"a scene is a Scene or the name of its file, not {given!r}")
     return given if isinstance(given, Scene) else read_scene(given)
 
 

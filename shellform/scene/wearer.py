@@ -23,6 +23,9 @@ from shellform.motion.wearer import Wearer
 
 from .reach import reachable
 from .scene import Scene
+from .shoulders import belt_of, hangs_on_shoulders, pattern_read
+
+HELD_UP, LET_DOWN = 0.3, 0.9  # s, that arms are held up in a new shirt, and let down in
 
 
 def wearer_of(scene: Scene) -> Wearer:
@@ -33,6 +36,9 @@ def wearer_of(scene: Scene) -> Wearer:
     ValueError, FileNotFoundError for a capture that cannot be read, or a part of it that is empty
     """
     motion, person = scene.motion, scene.person
+    shoulders = hangs_on_shoulders(scene.garment)
+    if shoulders:
+        _check_shoulders(scene)
     if motion.file == "synthetic":
         recording = synthetic_walk(
             stature=STATURE if person.stature is None else person.stature,
@@ -51,15 +57,65 @@ def wearer_of(scene: Scene) -> Wearer:
                 np.inf if motion.end is None else motion.end,
             )
         try:
-            recording = read_motion(motion.file, window=window, **options_of(motion))
+            recording = read_motion(
+                motion.file, window=window, **options_of(motion), upper=shoulders
+            )
         except Mendable as error:
             raise Mendable(error.fact, error.mend, IN_SCENE) from None
     standing = standing_of(recording)
+    if shoulders:
+        recording, standing = _with_upper_body(scene, recording, standing)
     if not at_rest(recording, standing):
         recording = gait_initiation(recording, standing, motion.initiation)
     wearer = Wearer(recording, ellipsoids_of(scene, recording))
     chosen_parts(wearer, scene.output.parts)  # a joint that is not there is found before dressing
     return wearer
+
+
+def _check_shoulders(scene):
+    """ValueError for what garments that hang on the shoulders cannot have here."""
+    hangs = f"{scene.garment.file} hangs on the shoulders"
+    if scene.person.body != "ellipsoids":
+        raise ValueError(
+            f"person.body = {str(scene.person.body)!r}: bodies of triangles end at the waist here, "
+            f"and {hangs}: leave person.body out"
+        )
+    if scene.steps.dressing == "particles":
+        raise ValueError(
+            f"steps.dressing = 'particles': {hangs}, where masses and springs fold it under the "
+            "arms: take 'shell'"
+        )
+
+
+def _with_upper_body(scene, recording, standing):
+    """Recording and standing pose with trunk and arms, for a garment that hangs on these."""
+    # only here: other wearers have none
+    from shellform.motion.arms_off_trunk import arms_off_trunk
+    from shellform.motion.upper_body import neutral, with_upper_body
+
+    stature = scene.person.stature or recording.facts.get("stature")
+    recording = with_upper_body(recording, stature)
+    recording = arms_off_trunk(recording, ellipsoids_of(scene, recording))
+    upper = neutral({name: points[None] for name, points in standing.items()}, stature)
+    return recording, {**standing, **{name: track[0] for name, track in upper.items()}}
+
+
+def dressing_wearer(scene: Scene, wearer: Wearer, end: float | None = None) -> Wearer:
+    """The wearer of a shirt, who stands and lets the arms down from where its sleeves are sewn.
+
+    wearer : with trunk and arms; end : time [s] at which the arms are down, None: first frame
+    """
+    # only here, as above
+    from meshes.patterns.placing import sleeve_angle
+    from shellform.motion.arm_lowering import arms_lowered
+    from shellform.motion.upper_body import abduction
+
+    first = {name: track[0] for name, track in wearer.recording.points.items()}
+    angle = sleeve_angle(pattern_read(scene.garment)) - abduction(first)
+    end = wearer.start if end is None else end
+    lowered = arms_lowered(wearer.recording, angle, end, HELD_UP, LET_DOWN)
+    rows = ellipsoids_of(scene, wearer.recording)
+    return Wearer(lowered, [row for row in rows if row[0] in wearer.names])
 
 
 def ellipsoids_of(scene: Scene, recording: Recording) -> list[anthropometry.Ellipsoid]:
@@ -69,13 +125,22 @@ def ellipsoids_of(scene: Scene, recording: Recording) -> list[anthropometry.Elli
     if person.body != "ellipsoids":
         girths.pop("knee", None)  # which ellipsoids have not
     right, left = (recording.points[f"{side}_thigh"][0, 0] for side in SIDES)
-    return anthropometry.ellipsoids(
-        {name: length for name, (length, _) in recording.lengths().items()},
-        stature=person.stature or recording.facts.get("stature"),
+    lengths = {name: length for name, (length, _) in recording.lengths().items()}
+    stature, above = person.stature or recording.facts.get("stature"), []
+    if "thorax" in lengths:
+        # only here: other wearers have no upper body
+        from shellform.motion.upper_anthropometry import GIRTHS, upper_ellipsoids
+
+        upper = {name: girths.pop(name) for name in GIRTHS if name in girths}
+        above = upper_ellipsoids(lengths, stature, person.mass, upper)
+    lower = anthropometry.ellipsoids(
+        lengths,
+        stature=stature,
         mass=person.mass,
         girths=girths or None,
         hip_spacing=float(np.linalg.norm(right - left)),
     )
+    return [*lower, *above]
 
 
 def dressed_wearer(scene: Scene, wearer: Wearer, surface: Surface) -> Wearer:
@@ -86,7 +151,7 @@ def dressed_wearer(scene: Scene, wearer: Wearer, surface: Surface) -> Wearer:
     """
     if scene.person.body != "ellipsoids":
         return wearer
-    near = reachable(wearer, surface, scene.belt)
+    near = reachable(wearer, surface, belt_of(scene.belt, scene.garment))
     names = {wearer.names[k] for k in np.flatnonzero(near)}
     if isinstance(scene.output.parts, dict):
         names |= {name for named in scene.output.parts.values() for name in named}

@@ -16,7 +16,7 @@ from typing import Any
 from mpi4py import MPI
 
 from shellform.motion.gait.like_strides import alike
-from shellform.motion.gait.strides import counted, strides
+from shellform.motion.gait.strides import counted, side_of, strides
 from shellform.motion.recording import SIDES, Recording
 from shellform.results.comparison import compare
 from shellform.results.files import write_atomically
@@ -224,7 +224,7 @@ def numbers(courses: dict[str, Course], recording: Recording) -> tuple[dict[str,
     like = {side: alike(recording, found[side]) for side in SIDES}
     joints, curves = {}, {}
     for joint, course in courses.items():
-        side = joint.partition("_")[0]
+        side = side_of(joint)
         own = found[side]
         joints[joint] = joint_numbers(course, window, own, like[side])
         if len(like[side]) > 1:

@@ -3,7 +3,7 @@
 
 from pathlib import Path
 
-from shellform.dressing.procedure import STAGES
+from shellform.dressing.procedure import SHOULDER_STAGES, STAGES
 from shellform.motion.recording import SIDES
 from shellform.results.mean_torque import mean_rows
 from shellform.scene.scene_file import read_scene
@@ -23,7 +23,8 @@ def draw(out: str | Path) -> None:
     wearer = wearer_of(scene)
     skin = skin_of_scene(scene, wearer)
     rows = {scene.title: mean_rows(out)}
-    draw_all(out, wearer, dressing_frames(out), out, rows, "right_knee", scene.title, skin=skin)
+    joint = "right_shoulder" if "right_shoulder" in wearer.joints else "right_knee"
+    draw_all(out, wearer, dressing_frames(out), out, rows, joint, scene.title, skin=skin)
     draw_walk_wrinkles(out / "wrinkles.png", wearer, out, scene.title)
     if (out / "pressure.npz").is_file():
         from shellform.results.skin_pressure import load
@@ -40,8 +41,10 @@ def dressing_frames(out: str | Path) -> list[tuple]:
     if not (Path(out) / "dressing.pvd").is_file():
         return []
     frames = read_frames(out, "dressing")
-    feet = [f"{side}_foot" for side in SIDES]
+    # three frames are those of what hangs on the shoulders, over all of the body
+    stages = STAGES if len(frames) > len(SHOULDER_STAGES) else SHOULDER_STAGES
+    feet = [f"{side}_foot" for side in SIDES if stages is STAGES]
     return [
         (f"({letter}) {label or 'settled'}", frame, feet if k < 2 else [])
-        for k, (letter, label, frame) in enumerate(zip("abcd", STAGES.values(), frames))
+        for k, (letter, label, frame) in enumerate(zip("abcd", stages.values(), frames))
     ]

@@ -6,8 +6,8 @@ belt is tighter or looser by a thousandth, two, ...: folds find another course, 
 changes. A scene without a belt has its gravity changed so.
 
 Runs exchange nothing. Ranks form one group a run, and without enough ranks the runs take turns.
-One rank alone keeps the cores busy with further processes, each a `shellform run` of its own (a
-process that has started MPI must not be forked).
+One rank alone keeps the cores busy with further processes, each of one run (one_run.py; a process
+that has started MPI must not be forked).
 """
 
 import os
@@ -26,6 +26,7 @@ from mpi4py import MPI
 from shellform.errors import NotConverged, Stopped, Unstable
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import write_scene
+from shellform.scene.shoulders import belt_of
 
 from .run import resume, run
 
@@ -68,11 +69,9 @@ class Member(NamedTuple):
             run(self.scene, self.out, comm, self.dressed, watch, lines=self.out == self.home)
 
     def words(self) -> list[str]:
-        """Arguments of `shellform` that do as `play`."""
-        if self.begun:
-            return ["resume", str(self.out), "--no-pictures"]
-        words = ["run", str(self.out / "scene.toml"), "--out", str(self.out), "--no-pictures"]
-        return words + (["--dressed", str(self.dressed)] if self.dressed else [])
+        """Arguments of Python that do as `play`, once scene.toml is in `out`."""
+        dressed = ["--dressed", str(self.dressed)] if self.dressed else []
+        return ["-m", "shellform.simulation.one_run", str(self.out), *dressed]
 
 
 def offset(k: int) -> int:
@@ -89,7 +88,8 @@ def members_of(scene: Scene, out: str | Path, dressed: str | Path | None = None)
     """
     out, runs = Path(out), scene.runs
     first = replace(scene, steps=replace(scene.steps, runs=runs))
-    if runs > 1 and not scene.belt and not scene.gravity:
+    held = belt_of(scene.belt, scene.garment)
+    if runs > 1 and not held and not scene.gravity:
         raise ValueError(
             f"steps.runs = {runs}, and starts differ by their belt or their gravity, which both "
             "are 0: ask for 1 run"
@@ -97,8 +97,10 @@ def members_of(scene: Scene, out: str | Path, dressed: str | Path | None = None)
     members = [Member(first, out, out, dressed)]
     for k in range(1, runs):
         factor = 1 + APART * offset(k)
-        belt, gravity = scene.belt * factor, scene.gravity
-        if not scene.belt:
+        belt, gravity = scene.belt, scene.gravity
+        if held:
+            belt *= factor
+        else:
             gravity *= factor
         alone, title = replace(scene.steps, runs=1), f"{scene.title}, start {k}"
         other = replace(scene, steps=alone, title=title, belt=belt, gravity=gravity)
@@ -211,7 +213,7 @@ class Processes:
             if self._stopped:
                 return Stopped("not begun")
             process = subprocess.Popen(
-                [sys.executable, "-m", "shellform", *member.words()],
+                [sys.executable, *member.words()],
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
                 text=True,
@@ -225,7 +227,7 @@ class Processes:
         if process.returncode == 0:
             return None
         lines = said.splitlines()
-        what = lines[-1].removeprefix("shellform: ") if lines else f"exit {process.returncode}"
+        what = lines[-1].removeprefix("one_run.py: ") if lines else f"exit {process.returncode}"
         return (Stopped if process.returncode == STOPPED else Unstable)(what)
 
     def stop(self) -> None:

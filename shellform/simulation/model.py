@@ -12,19 +12,21 @@ from shellform.contact_coupling.contact import Contact
 from shellform.contact_coupling.explicit_contact import ExplicitContact
 from shellform.dressing.belt import Belt
 from shellform.dressing.dress import dress
-from shellform.dressing.procedure import Dressing
+from shellform.dressing.procedure import Dressing, unwatched
 from shellform.dressing.saved_state import put_on
 from shellform.dressing.settings import borrowed
 from shellform.dressing.settle import AT_LEAST, settle_again, settle_on
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
+from shellform.motion.wearer import Wearer
 from shellform.scene.checks import check_dressing
 from shellform.scene.flesh import flesh_of
-from shellform.scene.garment import garment_of, wrinkles_of
+from shellform.scene.garment import garment_of, stiffer_at_seams, wrinkles_of
 from shellform.scene.reach import reach_of
 from shellform.scene.scene import Scene
+from shellform.scene.shoulders import hangs_on_shoulders
 from shellform.scene.skin import skin_of_scene
-from shellform.scene.wearer import dressed_wearer, wearer_of
+from shellform.scene.wearer import dressed_wearer, dressing_wearer, wearer_of
 
 if TYPE_CHECKING:
     from contact.body.skinned_surface import SkinnedSurface
@@ -44,11 +46,12 @@ class Model:
     wearer : Wearer of those ellipsoids that the garment can come to; whole : Wearer of all of them
     skin : SurfaceMotion that is met instead of them, or None
     surface : meshes.Surface, the garment; shell, stepper, contact : of the garment on the wearer
-    belt : Belt, once the garment is on
+    belt : Belt, once the garment is on; None for what hangs on the shoulders
     """
 
     def __init__(self, scene: Scene, comm: MPI.Comm):
         self.scene, self.comm = scene, comm
+        self.tension = None if hangs_on_shoulders(scene.garment) else scene.belt
         self.whole = wearer_of(scene)
         self.skin = skin_of_scene(scene, self.whole)
         self.surface = garment_of(scene, self.whole)
@@ -56,7 +59,8 @@ class Model:
         fabric = scene.cloth
         check_dressing(scene.steps.dressing, fabric)
         wrinkles = wrinkles_of(scene.garment, self.surface, fabric)
-        self.shell = Shell(self.surface, fabric, comm, wrinkles=wrinkles)
+        stiffer = stiffer_at_seams(scene.garment, self.surface)
+        self.shell = Shell(self.surface, fabric, comm, wrinkles=wrinkles, stiffer=stiffer)
         if scene.gravity:
             self.shell.loads.gravity((0.0, 0.0, -scene.gravity))
         steps = scene.steps
@@ -67,14 +71,22 @@ class Model:
         self.contact = self._meet(self.stepper, self.skin)
         self.belt: Belt | None = None
 
-    def _meet(self, stepper: Newmark, skin: SurfaceMotion | None = None) -> ExplicitContact:
-        """Contact of a stepper's nodes with those parts of the body that each can come to."""
+    def _meet(
+        self,
+        stepper: Newmark,
+        skin: SurfaceMotion | None = None,
+        wearer: Wearer | None = None,
+    ) -> ExplicitContact:
+        """Contact of a stepper's nodes with those parts of the body that each can come to.
+
+        wearer : of the same parts, in another motion than the scene's
+        """
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
         kinetic = contact.kinetic_friction
         flesh = flesh_of(self.scene, self.whole.names, self.wearer.names)
         running = stepper.add(
             Contact(
-                self.wearer,
+                self.wearer if wearer is None else wearer,
                 contact.friction if kinetic is None else (contact.friction, kinetic),
                 contact.offset,
                 # thighs and calves of a skin meet by its own shape, flesh by its own stiffness
@@ -96,19 +108,22 @@ class Model:
     def dress(self, watch: Callable | None = None) -> dict:
         """Put the garment on; returns the report of `dressing.dress.dress`."""
         put = self._dress_shell if self.scene.steps.dressing == "shell" else self._dress_springs
+        if self.tension is None:
+            put = self._dress_shoulders
         self.belt, report = put(watch)
         return report
 
     def put_on(self, path: str | Path) -> dict:
         """Put on the dressed state of a file; returns the report of `dressing.settle.settle`."""
-        self.belt, report = put_on(path, self.stepper, self.scene.belt)
+        self.belt, report = put_on(path, self.stepper, self.tension)
         return report
 
     def lay_belt(self) -> None:
         """The belt alone, around cloth whose state comes from a checkpoint."""
-        self.belt = self.stepper.add(Belt("waist", self.scene.belt))
+        if self.tension is not None:
+            self.belt = self.stepper.add(Belt("waist", self.tension))
 
-    def _dress_shell(self, watch: Callable | None) -> tuple[Belt, dict]:
+    def _dress_shell(self, watch: Callable | None) -> tuple[Belt | None, dict]:
         if self.skin is None:
             return dress(self.stepper, self.scene.belt, watch=watch)
         # feet are no part of the body while trousers are pulled up: ellipsoids can be left out
@@ -120,6 +135,21 @@ class Model:
         self.contact = self._meet(self.stepper, self.skin)
         report = settle_on(self.stepper, belt, Dressing())
         return belt, report | {"seconds": first["seconds"] + AT_LEAST + report["seconds"]}
+
+    def _dress_shoulders(self, watch: Callable | None) -> tuple[None, dict]:
+        """Sewn around raised arms, the cloth follows them down and settles."""
+        # only here: other garments are pulled up by their waist
+        from shellform.dressing.shoulders import let_down
+
+        dressing, stepper = Dressing(), self.stepper
+        lowering = dressing_wearer(self.scene, self.wearer, self.wearer.start - dressing.settle)
+        stepper.remove(self.contact)
+        bare = self._meet(stepper, wearer=lowering)
+        seconds = let_down(stepper, dressing, watch)
+        stepper.remove(bare)
+        self.contact = self._meet(stepper)
+        report = settle_on(stepper, None, dressing, unwatched if watch is None else watch)
+        return None, report | {"seconds": seconds + AT_LEAST + report["seconds"]}
 
     def _grow_skin(self, skin: "SkinnedSurface") -> None:
         """Move cloth that lies as on ellipsoids out of the skin."""
@@ -134,7 +164,7 @@ class Model:
             stepper.advance(self.wearer.start)
         stepper.remove(growing)
 
-    def _dress_springs(self, watch: Callable | None) -> tuple[Belt, dict]:
+    def _dress_springs(self, watch: Callable | None) -> tuple[Belt | None, dict]:
         """Masses and springs are put on first; the shell bends where they do not: it settles."""
         # only here: springs compile kernels of their own
         from shellform.dynamics.mass_spring import Particles, hand_over

@@ -10,6 +10,7 @@ friction          (mu_s, mu_k); creases: where parts of the body press cloth aga
 body              where it is of triangles, their source
 self_contact      where cloth meets cloth
 fabric            its name, what of it is estimated and what measured, where the card says so
+seams             how much stiffer than the cloth they are, where they are
 wrinkles, runs    those smaller than a cell; starts of the ensemble whose mean is reported
 motion, joints    source and times; dressing, belt, outputs: how it is put on, held, recorded
 
@@ -28,6 +29,7 @@ from shellform.scene.checks import check_dressing
 from shellform.scene.flesh import flesh_of
 from shellform.scene.garment import garment_of, wrinkles_of
 from shellform.scene.scene import Scene
+from shellform.scene.shoulders import belt_of
 from shellform.scene.wearer import dressed_wearer, wearer_of
 
 WRINKLES = {
@@ -70,6 +72,8 @@ def plan_of(
         "contact": list(near),
         "out_of_reach": [name for name in wearer.names if name not in near],
     } | law
+    if scene.garment.seam_bending != 1.0:
+        plan["seams"] = f"bending {scene.garment.seam_bending:g} times that of the cloth"
     if fabric.provenance is not None:
         plan["fabric"] = f"{fabric.name}: {fabric.provenance.line()}"
     if contact.friction:
@@ -95,7 +99,7 @@ def plan_of(
         "motion": {"source": str(recording.source), "start": wearer.start, "end": wearer.end},
         "joints": list(wearer.joints),
         "dressing": {"model": steps.dressing, "seconds_at_most": Dressing().seconds},
-        "belt": scene.belt,
+        "belt": belt_of(scene.belt, scene.garment),
         "outputs": ["torque.csv", "ledger.csv", "dressing.pvd", "series.pvd"],
     }
     if scene.runs > 1:
@@ -108,6 +112,8 @@ def plan_of(
 def plan_lines(plan: dict) -> list[str]:
     """Lines of a plan for a person."""
     lines = [f"modelled   {plan.get('element', '')}: {', '.join(plan['terms'])}"]
+    if "seams" in plan:
+        lines.append(f"seams      {plan['seams']}")
     if "law" in plan:
         lines.append(f"law        {plan['law']}")
     if "contact" in plan:

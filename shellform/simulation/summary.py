@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 from shellform.material.card import fabric_of
-from shellform.motion.gait.strides import strides
+from shellform.motion.gait.strides import side_of, strides
 from shellform.results.joint_torque import resistance
 from shellform.results.report import Report
 from shellform.scene.parts import PARTS
@@ -27,7 +27,7 @@ def summary(model: Model, recorders: Recorders, fit: dict) -> dict:
     return (
         {
             "joints": {
-                j: resistance(joints.rows, j, walked[j.split("_")[0]], wearer.start, counted)
+                j: resistance(joints.rows, j, walked[side_of(j)], wearer.start, counted)
                 for j in joints.joints
             },
             "counted_s": list(counted),
@@ -82,9 +82,11 @@ def _itself(model, recorders):
 def summary_lines(results: dict) -> list[str]:
     """Lines for a person: how it went and what the garment does to every joint."""
     fit = results["dressing"]
+    held = f"on the shoulders, which carry {fit.get('carried', 0.0):.3f} N"
+    if "belt_tension" in fit:
+        held = f"belt {fit['belt_tension']:.2f} N, {fit['belt_pressed']:.1f} N of it on the body"
     lines = [
-        f"weight {results['weight']:.3f} N; belt {fit['belt_tension']:.2f} N, "
-        f"{fit['belt_pressed']:.1f} N of it on the body; dressed in {fit['seconds']:.1f} s, cloth "
+        f"weight {results['weight']:.3f} N; {held}; dressed in {fit['seconds']:.1f} s, cloth "
         f"stretched by {100 * fit['stretch']:.1f} %",
         f"deepest point {1e3 * results['max_penetration']:.2f} mm in the body, "
         f"{1e3 * results['pinched_depth']:.1f} mm between segments that pinch, "
@@ -129,11 +131,11 @@ def torque_lines(results: dict) -> list[str]:
         lines.append(f"mean of {runs} runs and its standard error")
     wide = 18 if runs > 1 else 10
     titles = ("peak N m", "rms N m", "work J", "resisted J")
-    lines.append(f"{'joint':>12}" + "".join(f" {title:>{wide}}" for title in titles))
+    lines.append(f"{'joint':>14}" + "".join(f" {title:>{wide}}" for title in titles))
     for joint, row in results["joints"].items():
-        lines.append(f"{joint:>12}" + _numbers(row, wide))
+        lines.append(f"{joint:>14}" + _numbers(row, wide))
         if "mean_stride" in row:
-            lines.append(f"{'its stride':>12}" + _numbers(row["mean_stride"], wide))
+            lines.append(f"{'its stride':>14}" + _numbers(row["mean_stride"], wide))
     return lines
 
 

@@ -428,6 +428,7 @@ def test_a_small_spike_keeps_its_neighbours():
         assert len(notes) == runs and np.abs(mended - track).max() < 1e-5
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_table():
     """Every direction is told in four strings, with one of three verdicts."""

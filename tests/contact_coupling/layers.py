@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Sheets that meet themselves: scenes, and the checks that all of them have to pass.
 
-This file is also the program that ranks run: `python -m tests.contact_coupling.layers OUT STEPS`.
+This file is also the program that ranks run: `python -m tests.contact_coupling.layers OUT STEPS`,
+the latter on soft triangles with `triangles` after them.
 """
 
 import sys
@@ -10,7 +11,10 @@ from pathlib import Path
 import numpy as np
 
 import meshes
+from contact.body.flesh_bed import Flesh
+from contact.body.rigid_surface import RigidSurface
 from contact.body.segments import Body, Fixed, Segment
+from contact.geometry.triangle_mesh.sphere import sphere
 from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
 from shellform.contact_coupling.explicit_self_contact import triangles_of
@@ -58,7 +62,17 @@ def dropped(steps=Newmark, triangles=False, speed=1.0, cells=5):
     return stepper, stepper.add(SelfContact(0.3))
 
 
-def stacked(cells, layers=5, drag=8.0):
+def ball():
+    """A sphere of 0.2 m below the origin."""
+    return Body([Segment("ball", [0.2] * 3, Fixed((0.0, 0.0, -0.2)))])
+
+
+def ball_of_triangles(divisions=3):
+    """The same as a surface."""
+    return RigidSurface(*sphere(0.2, divisions), Fixed((0.0, 0.0, -0.2)), "ball")
+
+
+def stacked(cells, layers=5, drag=8.0, body=ball, **options):
     """Layers turned against each other on a sphere, and the contact with both."""
     sheets = [
         square(
@@ -69,8 +83,7 @@ def stacked(cells, layers=5, drag=8.0):
         for k in range(layers)
     ]
     stepper = stepper_of(together(*sheets)[0], gravity=(0.0, 0.0, -G), drag=drag, damping=1e-3)
-    ball = Body([Segment("ball", [0.2] * 3, Fixed((0.0, 0.0, -0.2)))])
-    return stepper, stepper.add(Contact(ball, 0.3, self_contact=True))
+    return stepper, stepper.add(Contact(body(), 0.3, self_contact=True, **options))
 
 
 def on_an_incline(tangent, friction=0.5):
@@ -197,16 +210,17 @@ def advance(stepper, count, dt=2e-4):
         stepper.step(dt)
 
 
-def scene_of_ranks():
+def scene_of_ranks(**options):
     """Layers that fall on a ball, with all kinds of rows within a few steps."""
-    stepper, contact = stacked(4, layers=3, drag=0.5)
+    stepper, contact = stacked(4, layers=3, drag=0.5, **options)
     own = stepper.shell.partition.owned_nodes
     stepper.v[:, 2] = -0.3 - 0.1 * (own > 20)
     return stepper, contact
 
 
-def main(out, count):
-    stepper, contact = scene_of_ranks()
+def main(out, count, triangles=False):
+    options = {"body": ball_of_triangles, "flesh": Flesh(1e5)} if triangles else {}
+    stepper, contact = scene_of_ranks(**options)
     advance(stepper, count)
     whole = state(stepper)
     impulse = stepper.shell.partition.gather(contact.window.impulse)
@@ -216,4 +230,4 @@ def main(out, count):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]))
+    main(Path(sys.argv[1]), int(sys.argv[2]), "triangles" in sys.argv)

@@ -42,7 +42,7 @@ def rod(radius, angle=0.0, shape=None, motion=Fixed, **rates):
         pytest.param(0.0005, 0.02, 0.0, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
         pytest.param(0.001, 0.013, 0.3, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
         pytest.param(0.0025, 0.007, 0.0, False, marks=[pytest.mark.serial, pytest.mark.thorough]),
-        pytest.param(0.001, 0.013, 0.1, True, marks=pytest.mark.serial),
+        pytest.param(0.001, 0.013, 0.1, True, marks=[pytest.mark.serial, pytest.mark.thorough]),
     ],
 )
 def test_a_strip_hangs_over_a_rod(radius, shift, angle, triangles):

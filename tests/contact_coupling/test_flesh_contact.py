@@ -20,23 +20,32 @@ from shellform import (
     Shell,
 )
 from shellform.dynamics import checkpoint
+from tests.contact.solver.surfaces import tube
+from tests.contact_coupling.layers import ball_of_triangles
 from tests.ranks import launch
 
 G = 9.81
 CLOTH = Fabric.isotropic(1e6, 0.3, 1e-3, 200.0)
 
 
-@pytest.mark.parametrize("k", [1e5, 6.7e5])
-def test_a_sleeve_on_a_soft_cylinder(k):
+def limb(radius):
+    return Body([Segment("arm", (radius, radius, 200.0), Fixed())])
+
+
+def limb_of_triangles(radius):
+    return tube(radius, 0.3, 24, 8, name="arm")
+
+
+@pytest.mark.parametrize(("k", "arm"), [(1e5, limb), (6.7e5, limb), (1e5, limb_of_triangles)])
+def test_a_sleeve_on_a_soft_cylinder(k, arm):
     """Laplace: the hoop tension at the radius that flesh has given way to is k d times it."""
     rest, radius, long = 0.048, 0.05, 0.1
     surface = meshes.cylinder(rest, long, (40, 6)).transform(translation=(0, 0, -0.5 * long))
     shell = Shell(surface.replace(warp=(0.0, 0.0, 1.0)), Fabric.isotropic(1e6, 0.0, 1e-3, 200.0))
     points = surface.points[shell.partition.nodes]
     shell.w.x.array.reshape(-1, 6)[:, :3] = (radius / rest - 1) * points * [1.0, 1.0, 0.0]
-    limb = Body([Segment("arm", (radius - 5e-4, radius - 5e-4, 200.0), Fixed())])
     stepper = Newmark(shell, 0.9, damping=2e-4, drag=60.0)
-    touch = stepper.add(Contact(limb, 0.0, flesh=Flesh(k)))
+    touch = stepper.add(Contact(arm(radius - 5e-4), 0.0, flesh=Flesh(k)))
     stepper.advance(0.1)
     touch.correction.reset()
     stepper.advance(0.14)
@@ -54,14 +63,14 @@ def test_a_sleeve_on_a_soft_cylinder(k):
     assert total == pytest.approx(2 * np.pi * long * tension(radius - depth), rel=1e-2)
 
 
-def draped(kind=Newmark, cells=8):
+def draped(kind=Newmark, cells=8, body=None):
     """A square of 0.3 m on a soft ball."""
     surface = meshes.rectangle(0.3, 0.3, (cells, cells)).transform(translation=(-0.14, -0.15, 0.0))
     shell = Shell(surface, CLOTH)
     shell.loads.gravity((0.0, 0.0, -G))
     stepper = kind(shell, 0.8, drag=8.0)
     ball = Body([Segment("ball", (0.2, 0.2, 0.2), Fixed((0.0, 0.0, -0.2)))])
-    return stepper, stepper.add(Contact(ball, 0.4, flesh=Flesh(2e4, 1e4, 20.0, 1e4, 0.05)))
+    return stepper, stepper.add(Contact(body or ball, 0.4, flesh=Flesh(2e4, 1e4, 20.0, 1e4, 0.05)))
 
 
 @pytest.mark.parametrize("kind", [Newmark, pytest.param(Particles, marks=pytest.mark.serial)])
@@ -77,13 +86,14 @@ def test_cloth_rests_with_its_weight_on_flesh(kind):
     assert row["momentum_residual"] < 1e-9 * weight
 
 
-def test_it_goes_on_bit_for_bit(shared_tmp_path):
+@pytest.mark.parametrize("body", [None, ball_of_triangles()], ids=["ellipsoid", "triangles"])
+def test_it_goes_on_bit_for_bit(body, shared_tmp_path):
     path = shared_tmp_path / "checkpoint.npz"
-    stepper, _ = draped()
+    stepper, _ = draped(body=body)
     stepper.advance(0.15)
     checkpoint.save(path, stepper)
     stepper.advance(0.2)
-    other, touch = draped()
+    other, touch = draped(body=body)
     checkpoint.load(path, other)
     assert stepper.shell.comm.allreduce(touch.correction.sides["depth"].max()) > 1e-6
     other.advance(0.2)

@@ -11,6 +11,7 @@ import pytest
 
 import meshes
 from contact.body.blended_surface import BlendedSurface
+from contact.body.flesh_bed import Flesh
 from contact.body.rigid_surface import RigidSurface
 from contact.body.segments import Body, Fixed, Segment, turned
 from contact.geometry.triangle_mesh.sphere import sphere
@@ -179,7 +180,7 @@ def test_what_a_surface_does_not_know_is_refused_in_one_sentence():
     body, skin = skinned()
     for settings, said in (
         ({"samples": 2}, "is met at nodes, not at 2 samples a cell: leave `samples` out"),
-        ({"flesh_stiffness": 1e5}, "knows no soft flesh between its parts.*1e\\+05|100000"),
+        ({"flesh_stiffness": 1e5}, "no flesh between its parts alone.*1e\\+05|100000"),
     ):
         shell = Shell(meshes.rectangle(0.1, 0.1, (2, 2)), Fabric.isotropic(1e6, 0.3, 1e-3, 200.0))
         with pytest.raises(ValueError, match=said):
@@ -192,6 +193,10 @@ def test_what_a_surface_does_not_know_is_refused_in_one_sentence():
         Contact(body, shapes=["left"])
     with pytest.raises(TypeError, match=r"the surface of a contact is one as RigidSurface\(...\)"):
         Contact(body, surface=3)
+    with pytest.raises(ValueError, match="the shapes of knee are met as hard ones, and"):
+        Newmark(shell, 0.8).add(Contact(body, surface=skin, shapes=["knee"], flesh=Flesh(1e5)))
+    with pytest.raises(ValueError, match=r"flesh of 'calf': no segment"):
+        Contact(body, surface=skin, flesh=Flesh({"calf": 1e5}))
 
 
 @pytest.mark.serial

@@ -44,6 +44,7 @@ def test_demos_refuse_an_accuracy_that_is_none(demo, wrong, capsys):
     )
 
 
+@pytest.mark.thorough
 def test_a_heavier_sleeve_takes_larger_steps(tmp_path):
     """Steps go with the root of the mass; the demo says which trick was used."""
     given = ("--around", 12, "--friction", 0, "--cycles", 1)

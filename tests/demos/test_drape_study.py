@@ -114,7 +114,10 @@ STUDIES = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize(
+    "study",
+    [pytest.param(s, marks=() if s == "starts" else pytest.mark.thorough) for s in STUDIES],
+)
 def test_each_study_runs(study, tmp_path):
     command = [sys.executable, "-m", "demos.studies.drape.run", study, "--quick", "--out", tmp_path]
     command += ["--cells", "4", "6"]

@@ -51,6 +51,7 @@ def test_drape(names_of):
     assert max(row["momentum_residual"] for row in names["ledger"].rows) < 1e-9
 
 
+@pytest.mark.thorough
 def test_hinge_sleeve(names_of):
     """The loop is what friction took and what stayed; without friction the torque is -dU/dtheta."""
     names = names_of("plot_5_hinge_sleeve.py")

@@ -142,7 +142,7 @@ def small_square(kind, angle, fabric, cells, size):
     return Shell(surface.replace(warp=(1.0, 0.0, 0.0)), fabric)
 
 
-@pytest.mark.parametrize("kind", ["quads", "triangles"])
+@pytest.mark.parametrize("kind", SHEETS)
 @pytest.mark.parametrize("angle", [0.0, 90.0, 30.0])
 @pytest.mark.parametrize("cells", [(1, 1), (8, 8)])
 def test_bending_curves_come_out(kind, angle, cells):
@@ -156,7 +156,7 @@ def test_bending_curves_come_out(kind, angle, cells):
             assert moment == pytest.approx(curve(curvature), rel=1e-3)
 
 
-@pytest.mark.parametrize("kind", ["quads", "triangles"])
+@pytest.mark.parametrize("kind", SHEETS)
 def test_bending_without_a_curve_stays_quadratic(kind):
     shell = small_square(kind, 30.0, sheet(Measured(bend_warp=BEND)), (1, 1), 1.25e-3)
     moment = power(shell, roll(shell, 30.0, along=1)) / shell.surface.area
@@ -195,9 +195,10 @@ def test_explicit_and_static_forces_agree(kind, law, friction, options):
 
 
 NINE = pytest.param("nine nodes", None, marks=pytest.mark.slow)  # half a minute to compile
+TRIANGLES = pytest.param("triangles", FRICTION, marks=pytest.mark.thorough)
 
 
-@pytest.mark.parametrize("kind, friction", [("quads", FRICTION), ("triangles", FRICTION), NINE])
+@pytest.mark.parametrize("kind, friction", [("quads", FRICTION), TRIANGLES, NINE])
 def test_tangent_is_the_derivative(kind, friction):
     """Of the static force with curves and sliders that slip and stick, by differences."""
     shell = Shell(dome(*KINDS[kind], cells=(2, 2)), sheet(LAW, friction))

@@ -101,6 +101,16 @@ def test_unsewn_it_opens_flat():
     assert sum(ends) == pytest.approx(0.75 * 2 * np.pi * 0.05, rel=1e-2)
 
 
+def opening_of(x, surface):
+    """Opening angle [degrees] of a cone with points x, from how far they are from its apex."""
+    reach = np.zeros(len(x))  # in the panel
+    reach[surface.cells.ravel()] = np.linalg.norm(surface.flat.reshape(-1, 2), axis=1)
+    # it grows along the axis alone, by one over the cosine of half the opening
+    A = np.column_stack([x - x.mean(axis=0), np.ones(len(x))])
+    slope = np.linalg.norm(np.linalg.lstsq(A, reach, rcond=None)[0][:3])
+    return 2 * np.degrees(np.arccos(1 / slope))
+
+
 @pytest.mark.serial
 @pytest.mark.parametrize("degrees", [150, 200])
 def test_a_sewn_sector_is_a_cone(degrees):
@@ -111,13 +121,7 @@ def test_a_sewn_sector_is_a_cone(degrees):
     angle = np.radians(degrees)
     surface = sew(cone(0.08, 0.2, angle), cell_size=0.014)
     shell, _ = settled(surface, seconds=3.0, drag=6.0)
-    x = shell.positions()
-    reach = np.zeros(len(x))  # from the apex, in the panel
-    reach[surface.cells.ravel()] = np.linalg.norm(surface.flat.reshape(-1, 2), axis=1)
-    # it grows along the axis alone, by one over the cosine of half the opening
-    A = np.column_stack([x - x.mean(axis=0), np.ones(len(x))])
-    slope = np.linalg.norm(np.linalg.lstsq(A, reach, rcond=None)[0][:3])
-    opening = 2 * np.degrees(np.arccos(1 / slope))
+    opening = opening_of(shell.positions(), surface)
     assert opening == pytest.approx(2 * np.degrees(np.arcsin(degrees / 360)), abs=0.5)
 
 
@@ -236,3 +240,50 @@ def test_a_gathered_waist_of_large_cells_pushes_as_their_waves():
         size = np.sqrt(chord / count * ratio * width)
         # the load counts from the length in the panel, of which cells are shorter by the ratio
         assert push == pytest.approx(wrinkling_load(B, np.array([size]))[0] / ratio, rel=1e-6)
+
+
+def in_triangles(surface):
+    """The same cloth, each quad cut into two triangles that keep their places in the panel."""
+    halves = [0, 1, 2], [0, 2, 3]
+    cells, flat = (
+        np.concatenate([corners[:, half] for half in halves])
+        for corners in (surface.cells, surface.flat)
+    )
+    warp = surface.warp
+    if warp is not None and np.ndim(warp) == 2:
+        warp = np.concatenate([warp, warp])
+    return surface.replace(cells=cells, flat=flat, warp=warp, panels={})
+
+
+@pytest.mark.serial
+def test_triangles_sewn_to_a_tube():
+    """Rest shape in the panel: the energy of B/R at the radius of its girth; force is its slope."""
+    surface = in_triangles(rolled((12, 3)))
+    shell, stepper = settled(surface, seconds=0.3)
+    _, radius = circle(shell.positions()[:, :2])
+    assert radius == pytest.approx(0.05, rel=2e-3)
+    energy, area = shell.energy(), 2 * np.pi * 0.05 * 0.06
+    assert energy["bending"] == pytest.approx(0.5 * B / radius**2 * area, rel=1e-2)
+    assert energy["membrane"] < 1e-3 * energy["bending"]
+    assert stepper.mass.sum() == pytest.approx(CLOTH.areal_mass * area, rel=1e-9)
+    # away from rest, along any way of nodes and directors
+    w, rng = shell.w.x.array, np.random.default_rng(2)
+    w += 1e-4 * rng.standard_normal(len(w))
+    way, base = rng.standard_normal(len(w)), w.copy()
+    force = InternalForce(shell)(w.reshape(-1, 6)).ravel() @ way
+    ends = []
+    for step in (1e-6, -1e-6):
+        w[:] = base + step * way
+        ends.append(sum(shell.energy().values()))
+    assert force == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=1e-5)
+
+
+@pytest.mark.thorough
+@pytest.mark.serial
+def test_a_sector_of_triangles_is_a_cone():
+    """As of quads, to half a degree."""
+    surface = in_triangles(sew(cone(0.08, 0.2, np.radians(150)), cell_size=0.014))
+    shell, _ = settled(surface, seconds=3.0, drag=6.0)
+    assert opening_of(shell.positions(), surface) == pytest.approx(
+        2 * np.degrees(np.arcsin(150 / 360)), abs=0.5
+    )

@@ -79,7 +79,7 @@ def coupled():
 CASES = {"quads": (1, False, woven), "coupled nine nodes": (2, False, coupled)}
 
 
-@pytest.fixture(params=CASES)
+@pytest.fixture(params=["quads", pytest.param("coupled nine nodes", marks=pytest.mark.thorough)])
 def make(request):
     degree, triangles, fabric = CASES[request.param]
 

@@ -80,6 +80,7 @@ def test_an_index_would_take_it(built):
     run("-m", "twine", "check", "--strict", *built.iterdir(), cwd=built)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow  # kernels compile anew
 def test_command_without_the_repository(wheel, tmp_path):
     """Installed elsewhere, the command writes a scene and checks it: cards and tables are found."""

@@ -13,7 +13,7 @@ import meshes
 from meshes.patterns import read_pattern
 from meshes.patterns.crossings import crossings
 from shellform.fem.lumped_mass import nodal_areas
-from shellform.scene.garment import garment_of
+from shellform.scene.garment import garment_of, stiffer_at_seams
 from shellform.scene.parts import Garment, Motion, Output, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.wearer import wearer_of
@@ -55,6 +55,17 @@ def test_sewn_around_the_wearer(name, wearer):
     area = sum(panel.area for panel in read_pattern(FILES / f"{name}.json").panels)
     assert nodal_areas(surface).sum() == pytest.approx(area, rel=5e-3)
     assert surface.flat is not None and len(crossings(surface.points, surface.cells)) == 0
+    # seams are as the cloth, or the cells on both sides of each are stiffer
+    assert stiffer_at_seams(Garment(), surface) is None
+    stiffer = stiffer_at_seams(Garment(seam_bending=4.0), surface)
+    lines = [line for name, line in surface.edges.items() if name.startswith("seam_")]
+    sewn = {frozenset(pair) for pair in np.concatenate(lines).tolist()}
+    beside = [
+        {frozenset(pair) for pair in zip(c, c[1:] + c[:1], strict=True)} & sewn
+        for c in surface.cells.tolist()
+    ]
+    assert np.array_equal(stiffer, [4.0 if sides else 1.0 for sides in beside])
+    assert sum(map(len, beside)) == 2 * len(sewn)
     # legs of the cloth about legs of the wearer; the panel called left is on the left
     if name == "trousers":
         left = surface.points[surface.cells[surface.panels["left_front"]]].mean(axis=(0, 1))
@@ -62,14 +73,9 @@ def test_sewn_around_the_wearer(name, wearer):
         assert surface.cells.shape[1] == 4
 
 
-@pytest.mark.serial
-def test_a_shirt_is_sewn_and_refused(wearer):
-    """Nothing hangs on shoulders here: it gets as far as the waist that it has not."""
-    with pytest.raises(meshes.MeshError, match=r"shirt\.json: .*hangs on the shoulders"):
-        garment_of(of("shirt"), wearer)
-
-
 def test_keys_of_patterns_without_one(wearer):
+    with pytest.raises(ValueError, match=r"seam_bending = 3 is of sewing patterns, and sleeve"):
+        stiffer_at_seams(Garment(seam_bending=3.0), meshes.sleeve(0.3, 0.3, 0.3))
     for given in ({"stitches": [["a.1", "b.2"]]}, {"about": {"front": "pelvis"}}):
         with pytest.raises(ValueError, match=r"are of sewing patterns, and there is no file"):
             garment_of(replace(WALK, garment=Garment(**given)), wearer)
@@ -81,7 +87,10 @@ def test_other_garments_do_not_load_it():
     code = (
         "import sys; from shellform.scene import scene, garment, wearer; s = scene.Scene(); "
         "garment.garment_of(s, wearer.wearer_of(s)); "
-        "print([m for m in sys.modules if m.startswith(('meshes.patterns', 'ezdxf', 'svgel'))])"
+        "rooms = ('meshes.patterns', 'meshes.garments.shirt', 'ezdxf', 'svgel', "
+        "'shellform.motion.upper', 'shellform.motion.arm', 'shellform.scene.shirt', "
+        "'shellform.dressing.shoulders'); "
+        "print([m for m in sys.modules if m.startswith(rooms)])"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, env=outside(), check=False

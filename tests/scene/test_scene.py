@@ -35,7 +35,7 @@ OTHER = Scene(
         midsurface=True,
         file="/meshes/trousers.obj", unit="cm", waist="top", size="small-long",
         kind="skirt", measures={"hem": 0.5, "back_lift": 0.0}, cell_size=0.03,
-        max_elongation=0.3, wrinkles="resolved",
+        max_elongation=0.3, wrinkles="resolved", hangs="waist", seam_bending=4.0,
         stitches=[["front.side", "back.side"]], about={"front": "pelvis"},
     ),
     contact=Contact(

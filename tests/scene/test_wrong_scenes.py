@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 import meshes
+import shellform as sf
 from shellform.__main__ import main
 from shellform.console import run
+from shellform.dynamics.time_stepper import check_time
 from shellform.material.card import fabric_of
 from shellform.motion.capture import segment_map
 from shellform.scene import wearer as build
@@ -212,6 +214,16 @@ def test_other_commands_that_cannot_be(tmp_path, capsys, monkeypatch):
 
 
 @pytest.mark.serial
+def test_what_is_no_file_is_refused():
+    """By the functions that take names of files; and what is no time, by steps."""
+    for call, what in ((sf.check, "a scene is"), (sf.read_motion, "a capture is")):
+        with pytest.raises(ValueError, match=f"{what} .* name of its file, not 3"):
+            call(3)
+    for until in ("1 s", None, float("nan")):
+        with pytest.raises(ValueError, match=f"finite time in s, not to {until!r}"):
+            check_time(until)
+
+
 def test_program_refuses(tmp_path):
     """As a user calls it: a wrong option, a wrong scene."""
     (tmp_path / "scene.toml").write_text("belt_N = -1")

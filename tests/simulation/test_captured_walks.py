@@ -59,7 +59,7 @@ def theia(folder):
 
 
 # in every run those that differ most: markers, joint centres, poses
-QUICK = ("ior", "joint-centres", "theia")
+QUICK = ("joint-centres",)
 KEYS = [pytest.param(k, marks=() if k in QUICK else pytest.mark.thorough) for k in [*SETS, "theia"]]
 
 

@@ -18,12 +18,21 @@ import pytest
 import shellform as sf
 from shellform.__main__ import main
 from shellform.errors import Unstable
-from shellform.results.mean_torque import mean_rows, read_courses
+from shellform.results.mean_torque import Course, mean_rows, read_courses
 from shellform.scene.parts import Steps
 from shellform.scene.scene_file import write_scene
 from shellform.simulation import members
 from shellform.simulation.ensemble import compare_runs, counted_courses, resume, run
-from shellform.simulation.members import APART, Member, group_of, members_of, offset, play_all
+from shellform.simulation.ensemble import numbers as numbers_of
+from shellform.simulation.members import (
+    APART,
+    Member,
+    Processes,
+    group_of,
+    members_of,
+    offset,
+    play_all,
+)
 from tests.dressing.test_dress import dressed
 from tests.ranks import launch, needs_mpirun
 from tests.simulation.short_walk import JOINTS, WALK
@@ -147,6 +156,17 @@ def test_ensemble_of_a_short_walk(ensemble):
 
 
 @pytest.mark.slow
+def test_a_process_plays_its_run_alone(ensemble, tmp_path):
+    """The first of several too, whose scene asks for all: as the second ensemble of `run_all`."""
+    first = members_of(THREE, tmp_path / "out", dressed("compliant").path)[0]
+    fault = Processes([first._replace(dressed=tmp_path / "none.npz")]).play(0)
+    assert "none.npz" in str(fault) and "one_run" not in str(fault) and not first.complete
+    assert Processes([first]).play(0) is None
+    assert not list(first.out.glob("run_*"))
+    assert (first.out / "torque.csv").read_bytes() == (ensemble[0] / "torque.csv").read_bytes()
+
+
+@pytest.mark.slow
 def test_only_what_is_missing_is_computed(ensemble, tmp_path):
     """A run whose files are lost is computed again; the others are not touched."""
     out = Path(shutil.copytree(ensemble[0], tmp_path / "copy"))
@@ -172,6 +192,7 @@ def test_equal_ensembles_do_not_differ(ensemble, capsys):
         compare_runs(out, out / "run_7")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_interrupted_ensemble_goes_on(ensemble, tmp_path):
     """Ctrl-C to the program alone stops the processes beside it too, and leaves what they have."""
@@ -204,3 +225,16 @@ def test_ensemble_on_two_ranks(ensemble, tmp_path):
     assert program.returncode == 0, program.stderr[-2000:]
     for name in ("torque.csv", "torque_mean.csv", "run_1/torque.csv", "run_2/torque.csv"):
         assert (out / name).read_bytes() == (ensemble[0] / name).read_bytes()
+
+
+def test_joints_of_the_trunk_have_strides_too():
+    """Those of the right foot; whoever has no arms has no such joints."""
+    recording = sf.synthetic_walk(strides=2, obstacle=0.0)
+    times = recording.times[1:]
+    torque = np.array([np.sin(3.0 * times), np.sin(3.1 * times)])
+    course = Course(times, np.diff(recording.times), torque, torque**2)
+    joints, _ = numbers_of(
+        dict.fromkeys(("lumbar", "right_elbow", "left_elbow"), course), recording
+    )
+    assert joints["lumbar"] == joints["right_elbow"]
+    assert joints["left_elbow"]["rms_torque"] == joints["lumbar"]["rms_torque"] > 0.5

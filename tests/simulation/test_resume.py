@@ -164,7 +164,7 @@ console.run(
 @pytest.mark.serial
 @pytest.mark.slow
 @pytest.mark.parametrize("whom", ["rank", "all by mpirun"])
-@pytest.mark.parametrize("stage", ["pull", "walk"])
+@pytest.mark.parametrize("stage", ["pull", pytest.param("walk", marks=pytest.mark.thorough)])
 def test_stopped_on_ranks(stage, whom, scene_file, tmp_path):
     """Ctrl-C at one rank, or SIGTERM at all as mpirun sends it: one line, 130, what is kept."""
     words = ("-c", ON_RANKS, scene_file, tmp_path, dressed("compliant").path, stage, whom)

@@ -20,6 +20,7 @@ SCENE = replace(
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_what_is_told_of_cloth_on_cloth(shared_tmp_path, comm):
     """From a state dressed without it, in which cloth passes through itself: that is told."""

@@ -142,7 +142,11 @@ def test_cantilever_under_end_shear(table):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("cells", "degree", "bar"),
-    [((40, 5), 2, 6e-3), ((40, 6), 1, 1.7e-2), ((80, 12), 1, 1e-2)],
+    [
+        pytest.param((40, 5), 2, 6e-3, marks=pytest.mark.thorough),
+        ((40, 6), 1, 1.7e-2),
+        pytest.param((80, 12), 1, 1e-2, marks=pytest.mark.thorough),
+    ],
     ids=["nine nodes", "quads", "finer quads"],
 )
 def test_slit_annulus(table, cells, degree, bar):

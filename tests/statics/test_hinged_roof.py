@@ -80,7 +80,9 @@ ROOFS = [
     pytest.param(6.35, "isotropic", np.inf, 0.01, 90, id="thin"),
     pytest.param(12.7, "isotropic", np.inf, 0.01, 70, id="thick"),
     pytest.param(12.7, "90/0/90", np.inf, 0.01, 90, id="thick-90-0-90", marks=SLOW),
-    pytest.param(6.35, "0/90/0", 1.0, 0.02, 200, id="thin-0-90-0", marks=SLOW),
+    pytest.param(
+        6.35, "0/90/0", 1.0, 0.02, 200, id="thin-0-90-0", marks=[SLOW, pytest.mark.thorough]
+    ),
 ]
 
 

@@ -21,15 +21,6 @@ def moved(shell, point):
     return shell.displacements()[shell.partition.find(point)[0]]
 
 
-def support_moments(statics):
-    """Moments (n, 3) [N m] by which the supports act on the directors."""
-    equilibrium, partition = statics.equilibrium, statics.shell.partition
-    turning = equilibrium.reaction[:, 3:] * equilibrium.length
-    on_director = np.einsum("nij,nj->ni", equilibrium.T[: equilibrium.n_owned], turning)
-    directors = statics.shell.directors()[partition.owned_nodes]
-    return partition.gather(np.cross(directors, on_director))
-
-
 def same(one, other, bar):
     """Largest difference between two fields, against the largest value, within a bar."""
     return np.abs(one - other).max() <= bar * np.abs(other).max()

@@ -14,9 +14,42 @@ g = h (J - n n.J) / |a x c|:
 Sums are exact: j_0 + j_1 + j_2 = J, and the sum of v_i x j_i is x x J.
 """
 
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from contact.kernel import kernel
+
+
+class Acting(NamedTuple):
+    """What acts at vertices: few of them, so these are listed.
+
+    table : (nv, 6), see `contact.body.surface_motion.SHARED`; zero where not listed
+    rows : (nv,) int, of which the first number (1,) are those listed; taken : (nv,) bool, whether a
+        vertex is
+    """
+
+    table: np.ndarray
+    rows: np.ndarray
+    number: np.ndarray
+    taken: np.ndarray
+
+
+def new_acting(count: int) -> Acting:
+    """Nothing, for `count` vertices."""
+    table = np.zeros((count, 6))
+    return Acting(table, np.zeros(count, np.int64), np.zeros(1, np.int64), np.zeros(count, bool))
+
+
+@kernel(makes_arrays=False)
+def forget_acting(acting: Any) -> None:
+    """Nothing acts any more."""
+    for m in range(acting.number[0]):
+        i = acting.rows[m]
+        acting.taken[i] = False
+        for c in range(6):
+            acting.table[i, c] = 0.0
+    acting.number[0] = 0
 
 
 @kernel(makes_arrays=False)
@@ -102,13 +135,13 @@ def add_impulse(
     done: float,
     rubbed: float,
     pressed: float,
-    at_vertices: np.ndarray,
+    acting: Any,
 ) -> None:
     """Add an impulse (3,) [N s] at the point b_1, b_2, h of triangle t to its corners.
 
-    done, rubbed, pressed : work, friction and impact loss [J], shared out by b; at_vertices :
-    (nv, 6), see `contact.body.surface_motion.SHARED`
+    done, rubbed, pressed : work, friction and impact loss [J], shared out by b; acting : Acting
     """
+    at_vertices = acting.table
     a0, a1, a2, c0, c1, c2, n0, n1, n2, square = _frame(v, corners, t)
     i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
     along = impulse[0] * n0 + impulse[1] * n1 + impulse[2] * n2
@@ -132,6 +165,9 @@ def add_impulse(
     at_vertices[k, 1] += q1
     at_vertices[k, 2] += q2
     for vertex, share in ((i, 1.0 - b1 - b2), (j, b1), (k, b2)):
+        if not acting.taken[vertex]:
+            acting.taken[vertex], acting.rows[acting.number[0]] = True, vertex
+            acting.number[0] += 1
         at_vertices[vertex, 3] += share * done
         at_vertices[vertex, 4] += share * rubbed
         at_vertices[vertex, 5] += share * pressed

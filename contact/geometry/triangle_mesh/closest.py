@@ -69,27 +69,26 @@ def _to_box(boxes, k, grown, x0, x1, x2):
 
 
 @kernel(makes_arrays=False)
-def closest(
-    mesh: Any,
-    placed: Any,
-    x0: float,
-    x1: float,
-    x2: float,
-    asked: int,
-    guess: int,
-    stack: np.ndarray,
-    bounds: np.ndarray,
-) -> tuple[int, float]:
-    """Closest triangle of x and the square of its distance [m^2]; -1 where none is asked for.
+def _faces_away(v, corners, t, n0, n1, n2, cosine):
+    """Whether the normal of triangle t makes an angle with n of a cosine below `cosine`."""
+    i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
+    a0, a1, a2 = v[j, 0] - v[i, 0], v[j, 1] - v[i, 1], v[j, 2] - v[i, 2]
+    c0, c1, c2 = v[k, 0] - v[i, 0], v[k, 1] - v[i, 1], v[k, 2] - v[i, 2]
+    m0, m1, m2 = a1 * c2 - a2 * c1, a2 * c0 - a0 * c2, a0 * c1 - a1 * c0
+    along = m0 * n0 + m1 * n1 + m2 * n2
+    return along < cosine * np.sqrt(m0 * m0 + m1 * m1 + m2 * m2)
 
-    asked : int, sets of triangles that count, see `Mesh`; -1: all
-    guess : triangle to be tried first, or -1; stack (STACK,) int, bounds (STACK,) : scratch
+
+@kernel(makes_arrays=False)
+def _walk(
+    mesh, placed, x0, x1, x2, asked, best, least, n0, n1, n2, cosine, stack, bounds
+):  # fmt: skip
+    """Closest triangle that counts, and the square of its distance, if below `least`; else `best`.
+
+    Of any direction for a cosine above 1, otherwise as of `closest_facing`.
     """
     v, boxes, corners, grown = placed.vertices, placed.boxes, mesh.in_order, placed.grown[0]
-    n, leaves, best, least = len(corners), mesh.leaves[0], -1, np.inf
-    if guess >= 0 and mesh.sets[guess] & asked:
-        best = guess
-        least = on_triangle(v, mesh.triangles, guess, x0, x1, x2)[0]
+    n, leaves = len(corners), mesh.leaves[0]
     depth, k, bound = 0, 0, _to_box(boxes, 0, grown, x0, x1, x2)
     while True:
         if bound <= least * SLACK and mesh.box_sets[k] & asked:
@@ -107,15 +106,43 @@ def closest(
                 continue
             j = k - (leaves - 1)
             for place in range(j * n // leaves, (j + 1) * n // leaves):
+                if cosine <= 1.0 and not _faces_away(v, corners, place, n0, n1, n2, cosine):
+                    continue
                 square = on_triangle(v, corners, place, x0, x1, x2)[0]
                 if square <= least:
                     t = mesh.order[place]
-                    if (square < least or t < best) and mesh.sets[t] & asked:
+                    if (square < least or t < best or best < 0) and mesh.sets[t] & asked:
                         best, least = t, square
         if depth == 0:
             return best, least
         depth -= 1
         k, bound = stack[depth], bounds[depth]
+
+
+@kernel(makes_arrays=False)
+def closest(
+    mesh: Any,
+    placed: Any,
+    x0: float,
+    x1: float,
+    x2: float,
+    asked: int,
+    guess: int,
+    stack: np.ndarray,
+    bounds: np.ndarray,
+) -> tuple[int, float]:
+    """Closest triangle of x and the square of its distance [m^2]; -1 where none is asked for.
+
+    asked : int, sets of triangles that count, see `Mesh`; -1: all
+    guess : triangle to be tried first, or -1; stack (STACK,) int, bounds (STACK,) : scratch
+    """
+    best, least = -1, np.inf
+    if guess >= 0 and mesh.sets[guess] & asked:
+        best = guess
+        least = on_triangle(placed.vertices, mesh.triangles, guess, x0, x1, x2)[0]
+    return _walk(
+        mesh, placed, x0, x1, x2, asked, best, least, 0.0, 0.0, 0.0, 2.0, stack, bounds
+    )  # fmt: skip
 
 
 @kernel(makes_arrays=False)
@@ -135,10 +162,7 @@ def _at_vertex(mesh, v, i):
     """Sum of normals around vertex i, by the angles of their triangles there."""
     s0 = s1 = s2 = 0.0
     for place in range(mesh.ring_start[i], mesh.ring_start[i + 1]):
-        t, k = mesh.ring[place], 0
-        while mesh.triangles[t, k] != i:
-            k += 1
-        p, q = mesh.triangles[t, (k + 1) % 3], mesh.triangles[t, (k + 2) % 3]
+        t, p, q = mesh.ring[place], mesh.ring_ends[place, 0], mesh.ring_ends[place, 1]
         a0, a1, a2 = v[p, 0] - v[i, 0], v[p, 1] - v[i, 1], v[p, 2] - v[i, 2]
         c0, c1, c2 = v[q, 0] - v[i, 0], v[q, 1] - v[i, 1], v[q, 2] - v[i, 2]
         n0, n1, n2, size = face_normal(v, mesh.triangles, t)
@@ -168,36 +192,9 @@ def closest_facing(
     Counted are those within `limit` [m] whose normal makes an angle with n of a cosine below
     `cosine`; -1 where there is none. asked, stack, bounds : see `closest`
     """
-    v, boxes, corners, grown = placed.vertices, placed.boxes, mesh.in_order, placed.grown[0]
-    n, leaves, best, least = len(corners), mesh.leaves[0], -1, limit * limit
-    depth, k, bound = 0, 0, _to_box(boxes, 0, grown, x0, x1, x2)
-    while True:
-        if bound <= least * SLACK and mesh.box_sets[k] & asked:
-            if k < leaves - 1:
-                left, right = 2 * k + 1, 2 * k + 2
-                near, far = (
-                    _to_box(boxes, left, grown, x0, x1, x2),
-                    _to_box(boxes, right, grown, x0, x1, x2),
-                )
-                if far < near:
-                    left, right, near, far = right, left, far, near
-                stack[depth], bounds[depth] = right, far
-                depth += 1
-                k, bound = left, near
-                continue
-            j = k - (leaves - 1)
-            for place in range(j * n // leaves, (j + 1) * n // leaves):
-                square = on_triangle(v, corners, place, x0, x1, x2)[0]
-                if square <= least:
-                    t = mesh.order[place]
-                    m0, m1, m2, _ = face_normal(v, corners, place)
-                    other = m0 * n0 + m1 * n1 + m2 * n2 < cosine and mesh.sets[t] & asked
-                    if other and (square < least or t < best or best < 0):
-                        best, least = t, square
-        if depth == 0:
-            return best, least
-        depth -= 1
-        k, bound = stack[depth], bounds[depth]
+    return _walk(
+        mesh, placed, x0, x1, x2, asked, -1, limit * limit, n0, n1, n2, cosine, stack, bounds
+    )  # fmt: skip
 
 
 @kernel(makes_arrays=False)

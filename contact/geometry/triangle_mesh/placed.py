@@ -7,7 +7,7 @@ wherever no vertex is farther from where it was than the box is grown for.
 Normals of vertices are found when they are first asked for: with the edges e_k from the vertex to
 its neighbours in turn,
 
-    n = sum_k e_k x e_k+1 / (|e_k|^2 |e_k+1|^2),
+    n = sum_k (e_k/|e_k|^2) x (e_k+1/|e_k+1|^2),
 
 which is exact where all these vertices lie on a sphere (N. Max, J. Graphics Tools 4(2), 1999).
 """
@@ -19,6 +19,8 @@ import numpy as np
 from contact.kernel import kernel
 
 from .topology import Mesh
+
+TINY = 1e-40  # m^2: edges of no length count for nothing
 
 
 class Placed(NamedTuple):
@@ -87,21 +89,21 @@ def know_normal(mesh: Any, placed: Any, i: int) -> None:
     """Fill the unit normal of vertex i, if it is not known."""
     if placed.known[i]:
         return
-    v = placed.vertices
+    v, ends = placed.vertices, mesh.ring_ends
+    o0, o1, o2 = v[i, 0], v[i, 1], v[i, 2]
     n0 = n1 = n2 = 0.0
+    last, c0, c1, c2 = -1, 0.0, 0.0, 0.0
     for place in range(mesh.ring_start[i], mesh.ring_start[i + 1]):
-        t = mesh.ring[place]
-        k = 0
-        while mesh.triangles[t, k] != i:
-            k += 1
-        p, q = mesh.triangles[t, (k + 1) % 3], mesh.triangles[t, (k + 2) % 3]
-        a0, a1, a2 = v[p, 0] - v[i, 0], v[p, 1] - v[i, 1], v[p, 2] - v[i, 2]
-        c0, c1, c2 = v[q, 0] - v[i, 0], v[q, 1] - v[i, 1], v[q, 2] - v[i, 2]
-        size = (a0 * a0 + a1 * a1 + a2 * a2) * (c0 * c0 + c1 * c1 + c2 * c2)
-        if size > 0.0:
-            n0 += (a1 * c2 - a2 * c1) / size
-            n1 += (a2 * c0 - a0 * c2) / size
-            n2 += (a0 * c1 - a1 * c0) / size
+        a0, a1, a2, p = c0, c1, c2, ends[place, 0]
+        if p != last:
+            a0, a1, a2 = v[p, 0] - o0, v[p, 1] - o1, v[p, 2] - o2
+            scale = 1.0 / max(a0 * a0 + a1 * a1 + a2 * a2, TINY)
+            a0, a1, a2 = scale * a0, scale * a1, scale * a2
+        last = ends[place, 1]
+        c0, c1, c2 = v[last, 0] - o0, v[last, 1] - o1, v[last, 2] - o2
+        scale = 1.0 / max(c0 * c0 + c1 * c1 + c2 * c2, TINY)
+        c0, c1, c2 = scale * c0, scale * c1, scale * c2
+        n0, n1, n2 = n0 + a1 * c2 - a2 * c1, n1 + a2 * c0 - a0 * c2, n2 + a0 * c1 - a1 * c0
     size = np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
     scale = 1.0 / size if size > 0.0 else 0.0
     placed.normals[i, 0], placed.normals[i, 1] = scale * n0, scale * n1

@@ -19,7 +19,8 @@ class Mesh(NamedTuple):
 
     triangles : (nt, 3) int; order : (nt,) int, the triangles as the leaves hold them
     neighbours : (nt, 3) int, triangle across the edge from corner k to corner k + 1
-    ring_start (nv + 1,), ring (3 nt,) int : the triangles around each vertex
+    ring_start (nv + 1,), ring (3 nt,), ring_ends (3 nt, 2) int : the triangles around each vertex,
+        counterclockwise, and their other two corners
     leaves : (1,) int, number L of leaves
     in_order : (nt, 3) int, triangles[order]
     sets (nt,), box_sets (2 L - 1,) int : of what each triangle, and each box, is a part; queries
@@ -31,6 +32,7 @@ class Mesh(NamedTuple):
     neighbours: np.ndarray
     ring_start: np.ndarray
     ring: np.ndarray
+    ring_ends: np.ndarray
     leaves: np.ndarray
     in_order: np.ndarray
     sets: np.ndarray
@@ -48,9 +50,7 @@ def mesh_of(triangles: np.ndarray, vertices: np.ndarray, sets: np.ndarray | None
     found = np.argsort(forward, kind="stable")
     across = found[np.searchsorted(forward, backward, sorter=found)]
     neighbours = np.ascontiguousarray((across // 3).reshape(-1, 3))
-    corners = triangles.ravel()
-    ring = np.argsort(corners, kind="stable") // 3
-    ring_start = np.concatenate([[0], np.cumsum(np.bincount(corners, minlength=count))])
+    ring_start, ring, ring_ends = _rings(np.asarray(triangles, np.int64), neighbours, count)
     levels = max(0, int(np.ceil(np.log2(max(1.0, len(triangles) / LEAF)))))
     order = _halved(vertices[triangles].mean(axis=1), levels)
     triangles = np.ascontiguousarray(triangles, np.int64)
@@ -60,10 +60,44 @@ def mesh_of(triangles: np.ndarray, vertices: np.ndarray, sets: np.ndarray | None
     while len(rows[0]) > 1:
         rows.insert(0, rows[0][::2] | rows[0][1::2])
     return Mesh(
-        triangles, order, neighbours.astype(np.int64), ring_start.astype(np.int64),
-        ring.astype(np.int64), np.array([1 << levels]), triangles[order], sets,
+        _small(triangles), _small(order), _small(neighbours), _small(ring_start), _small(ring),
+        _small(ring_ends), np.array([1 << levels]), _small(triangles[order]), sets,
         np.concatenate(rows),
     )  # fmt: skip
+
+
+def _small(whole):
+    """Whole numbers of half the size: what contact reads of a mesh comes from memory."""
+    return np.ascontiguousarray(whole, np.int32)
+
+
+def _rings(triangles, neighbours, count):
+    """Starts (count + 1,), triangles (3 nt,) and their other corners (3 nt, 2) around vertices.
+
+    A corner is 3 t + k. The next one counterclockwise is in the triangle across the edge that ends
+    in corner k; where two surfaces meet in a vertex their rings come one after the other.
+    """
+    corners = triangles.ravel()
+    by_vertex = np.argsort(corners, kind="stable")
+    starts = np.concatenate([[0], np.cumsum(np.bincount(corners, minlength=count))])
+    # across the edge from corner k + 2 to corner k; there the vertex is the one that has it
+    across = np.roll(neighbours, 1, axis=1).ravel()
+    place = (triangles[across] == corners[:, None]).argmax(axis=1)
+    following = 3 * across + place
+    order, done = np.empty_like(corners), np.zeros(len(corners), bool)
+    left, begun = np.flatnonzero(np.diff(starts)), starts[:-1].copy()
+    at = by_vertex[begun[left]]
+    while len(left):
+        order[begun[left]], done[at] = at, True
+        begun[left] += 1
+        more = begun[left] < starts[left + 1]
+        left, at = left[more], following[at[more]]
+        for k in np.flatnonzero(done[at]):  # a ring is closed, and the vertex has another
+            own = by_vertex[starts[left[k]] : starts[left[k] + 1]]
+            at[k] = own[~done[own]][0]
+    t, k = order // 3, order % 3
+    ends = np.column_stack([triangles[t, (k + 1) % 3], triangles[t, (k + 2) % 3]])
+    return starts.astype(np.int64), t, np.ascontiguousarray(ends)
 
 
 def _halved(centres, levels):

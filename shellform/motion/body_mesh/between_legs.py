@@ -34,7 +34,7 @@ class Extent(NamedTuple):
 
 
 SHAPE = Extent((0.030, 0.060), (0.030, 0.050), 30)  # of a body that is worn under trousers
-SKIN = Extent((0.030, 0.090), (0.030, 0.080), 15)
+SKIN = Extent((0.050, 0.120), (0.030, 0.080), 30)
 WEIGHTS = Extent((0.090, 0.150), (0.030, 0.080), 30)
 
 

@@ -23,6 +23,7 @@ from .surface import BodySurface
 
 UP = np.array([0.0, 0.0, 1.0])
 MIDDLE = 0.006  # from the middle plane, within which thighs are pressed flat [m]
+ROOM = 0.003  # from there, that is left of it for cloth [m]
 
 
 def frame_of(heading: np.ndarray) -> np.ndarray:
@@ -108,8 +109,10 @@ def _apart(points, own, low, middle, left, scale):
     out = points.copy()
     for sign in (1.0, -1.0):
         which = low & (sign * own > 0)
-        margin = np.minimum(0.8 * sign * own[which], MIDDLE) * scale
+        margin = np.minimum(0.9 * sign * own[which], MIDDLE) * scale
+        room = np.minimum(0.8 * margin, ROOM * scale)
         aside = sign * ((points[which] - middle) @ left)
-        pressed = np.array([kept_on_side(*pair)[0] for pair in zip(aside, margin, strict=True)])
+        rows = zip(aside, margin, room, strict=True)
+        pressed = np.array([kept_on_side(*row)[0] for row in rows])
         out[which] += (sign * (pressed - aside))[:, None] * left
     return out

@@ -9,8 +9,10 @@ function of the angle from the level of the joint,
 
 h the height over the joint along the straight limb, f how far before or behind it, b a width within
 which the sides of the limb count as its axis. Skin then never folds while t dw/da < 1, which steep
-weights along the limb violate from some 60 degrees on: with A of 70 degrees up to 126 (1 + b^2 /
-f^2)^1/2 degrees. S is -1 to 1 with a slope that is constant but for its ends.
+weights along the limb violate from some 60 degrees on: with A of 60 degrees up to 108 (1 + b^2 /
+f^2)^1/2 degrees, and farther where flesh is pressed flat: knees of the installed bodies at 135.
+S is -1 to 1 with a slope that is constant but for its ends. The wider A, the more flesh a bent knee
+takes from the calf; a hip's b is wide because the groin is 0.14 m before the joint.
 
 Between the legs a point belongs to the trunk by how far it is from the middle plane along the skin.
 """
@@ -27,7 +29,7 @@ from .surface import BodySurface
 UP = np.array([0.0, 0.0, 1.0])
 ROUND = 0.2  # part of the range over which the slope of S comes and goes
 # joint: middle a0 and half A of the range [degree]; width b at a stature of STATURE [m]
-RANGES = {"hip": (0.0, 75.0, 0.080), "knee": (0.0, 70.0, 0.025), "ankle": (30.0, 45.0, 0.015)}
+RANGES = {"hip": (0.0, 75.0, 0.120), "knee": (4.0, 60.0, 0.025), "ankle": (30.0, 45.0, 0.015)}
 CROTCH = 0.160  # along the skin from the middle plane to what is a leg's alone [m]
 
 

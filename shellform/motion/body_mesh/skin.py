@@ -14,17 +14,22 @@ from contact.body.segment_frame import pose_from_markers
 from contact.body.segments import Pose
 from contact.body.skinned_surface import Bend, SkinnedSurface
 from shellform.motion.gait.standing_pose import standing_of
+from shellform.motion.proportions import STATURE
 from shellform.motion.recording import SEGMENTS, SIDES
 from shellform.motion.wearer import Wearer
 
 from .between_legs import SKIN, WEIGHTS, between_legs
+from .coarse import coarse_ends
 from .fitting import fitted
 from .lower_body import lower_body
-from .placing import placed
+from .placing import MIDDLE, placed
 from .rigging import weights_of
 from .surface import BodySurface
 
 DRAWN = 4  # times that weights are drawn smooth
+# where thighs may meet, at a stature of STATURE [m]: from the middle plane, above the knee centres;
+# the skin that follows the thigh by the first part is not pressed, by the second wholly
+BETWEEN, OVER_KNEE, SHARE = 0.060, 0.165, (0.5, 0.8)
 
 
 def skin_of(
@@ -43,7 +48,7 @@ def skin_of(
     ValueError where the body has no legs that can be measured, or cannot be brought to the girths
     """
     points = standing_of(wearer.recording)
-    standing = placed(lower_body(body), points, stature)
+    standing = placed(coarse_ends(lower_body(body)), points, stature)
     smooth = between_legs(standing, SKIN)
     if girths:
         standing, _ = fitted(standing, girths, smooth)
@@ -80,6 +85,23 @@ def skin_of(
         names,
         lambda t, out: wearer.segments_into(t, which, out),
         bound,
-        knees,
+        [*knees, *_thighs(standing, weights, names)],
         (smooth.indptr, smooth.indices, smooth.data),
     )
+
+
+def _thighs(standing, weights, names):
+    """The thighs as flesh that meets at the plane halfway between them: none or one `Bend`."""
+    thighs = [f"{side}_thigh" for side in ("left", "right")]
+    scale, marks = standing.stature / STATURE, standing.landmarks
+    arm, share = standing.points - standing.middle, np.zeros(len(weights))
+    for thigh, sign in zip(thighs, (1.0, -1.0), strict=True):
+        own = sign * (arm @ standing.left) > 0.0
+        share[own] = weights[own, names.index(thigh)]
+    knees = max(marks["left_knee"][2], marks["right_knee"][2])
+    low = (standing.points[:, 2] > knees + OVER_KNEE * scale) & (arm[:, 2] < 0.0)
+    medial = low & (np.abs(arm @ standing.left) < BETWEEN * scale)
+    parts = np.clip((share - SHARE[0]) / (SHARE[1] - SHARE[0]), 0.0, 1.0) * medial
+    centre = standing.middle
+    ends = centre + standing.left, centre - standing.left
+    return [Bend(*thighs, centre, *ends, margin=MIDDLE * scale, near=0.9, room=0.002, parts=parts)]

@@ -57,6 +57,8 @@ def read_table(path: str | Path, map: SegmentMap | None = None) -> Raw:
     ImportError
         When a C3D file is asked for and ezc3d is not installed.
     """
+    if not isinstance(path, str | Path):
+        raise ValueError(f"a capture is the name of its file, not {path!r}")
     path = Path(path)
     form = FORMATS.get(path.suffix.lower())
     if form is None:

@@ -27,7 +27,7 @@ from .markers import Markers, to_markers
 from .noise import noise_note
 from .seen_markers import seen
 from .segment_checks import mirrored, require_lever, require_pace, require_shape, require_sides
-from .segment_map import SegmentMap, segment_map
+from .segment_map import SegmentMap, segment_map, with_upper_body
 from .static_trial import with_static
 
 __all__ = [
@@ -51,6 +51,7 @@ def read_motion(
     max_gap: float = 0.1,
     window: tuple[float, float] | None = None,
     rigid: bool = True,
+    upper: bool = False,
 ) -> Recording:
     """A capture file as a `Recording`: `read_markers`, then `recording`; see these.
 
@@ -62,6 +63,7 @@ def read_motion(
     map : SegmentMap, name or file of one, None: the shipped one that explains most labels
     cutoff : of the low pass [Hz], None: none; max_gap : longest gap filled [s]
     window : (start, end) [s] of what is used; rigid : thighs and shanks keep their lengths
+    upper : whether trunk and arms are read, where they have markers
 
     Returns
     -------
@@ -102,7 +104,7 @@ def read_motion(
     markers = to_markers(raw, str(file), regions(raw.names, map), unit, up)
     if static is not None:
         markers = with_static(markers, read_markers(static, unit, up, map), map)
-    return recording(markers, map, max_gap, cutoff, window, rigid)
+    return recording(markers, map, max_gap, cutoff, window, rigid, upper)
 
 
 def read_markers(
@@ -140,6 +142,7 @@ def recording(
     cutoff: float | None = 6.0,
     window: tuple[float, float] | None = None,
     rigid: bool = True,
+    upper: bool = False,
 ) -> Recording:
     """Tracks of the segments' points from markers.
 
@@ -152,6 +155,7 @@ def recording(
     window : (start, end) [s] on the capture's clock, or None for all of it
     rigid : bool, whether thighs and shanks get their median lengths (`rigid_legs`) and the pelvis
         is set `upright`
+    upper : bool, whether trunk and arms are made too, of the markers of `with_upper_body`
 
     Raises
     ------
@@ -175,6 +179,8 @@ def recording(
         map = choose_map(markers)
     elif not isinstance(map, SegmentMap):
         map = segment_map(map)
+    if upper:
+        map = with_upper_body(map)
     use = _window(markers, window)
     fitted, frames, said = seen(map, markers, use, max_gap)
     require_one_meaning(map, fitted.labels, markers)

@@ -15,7 +15,7 @@ their names.
 
 import difflib
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -89,6 +89,20 @@ def segment_map(name_or_path: str | Path) -> SegmentMap:
         table = _sides_anywhere(table)
     name = str(name_or_path) if str(name_or_path) in SHIPPED else path.name
     return _checked(_both_sides(table), name, str(path))
+
+
+@cache
+def with_upper_body(map: SegmentMap) -> SegmentMap:
+    """A map with trunk and arms besides, by `maps/upper-body.toml`, where markers for them are."""
+    path = FOLDER / "upper-body.toml"
+    table = _sides_anywhere(tomllib.loads(path.read_text(encoding="utf-8")))
+    more = _checked(_both_sides(table), "upper-body", str(path))
+    return replace(
+        map,
+        markers={**map.markers, **more.markers, **map.markers},
+        points={**map.points, **more.points, **map.points},
+        segments={**map.segments, **more.segments, **map.segments},
+    )
 
 
 def _sides_anywhere(table):

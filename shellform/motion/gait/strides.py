@@ -18,6 +18,12 @@ PAUSE = 0.3  # a longer rest is standing [s]; in full stride some joint always m
 LONGEST = 2.5  # stride [s]; the synthetic walk steps over 0.5 m in 1.8 s
 
 
+def side_of(joint: str) -> str:
+    """Whose foot's strides a joint has: those of its side, of the trunk those of the right foot."""
+    side = joint.partition("_")[0]
+    return side if side in SIDES else SIDES[0]
+
+
 def counted(motion: Recording | Wearer) -> tuple[float, float]:
     """Begin and end [s] of what counts: the motion's own frames without standing at both ends.
 

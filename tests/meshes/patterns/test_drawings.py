@@ -76,6 +76,23 @@ def test_a_skirt_of_two_pieces(tmp_path):
     assert len(crossings(surface.points, surface.cells)) == 0
 
 
+def test_sizes_by_grade_rules_are_refused(tmp_path):
+    """What is not drawn but numbered by rules: the mend is a nest; the sample size is read."""
+    ezdxf = pytest.importorskip("ezdxf", reason="ezdxf, an option, is not installed")
+    path = dxf(tmp_path / "rules.dxf", [piece("front", size="M")], sample="M")
+    drawing = ezdxf.readfile(str(path))
+    drawing.blocks.get("PIECE_0").add_text("# 12", dxfattribs={"layer": "2"})
+    drawing.saveas(path)
+    with pytest.raises(MeshError, match=r"rules\.dxf: size 'L' .* graded by rules, .* size M\."):
+        read_pattern(path, size="L")
+    drawing.modelspace().add_text("Grade Rule Table: MEN", dxfattribs={"layer": "1"})
+    drawing.saveas(path)
+    with pytest.raises(MeshError, match=r"rules of the table MEN, .* every size drawn"):
+        read_pattern(path, size="L")
+    for size in (None, "M"):
+        assert len(read_pattern(path, size=size).panels) == 1
+
+
 @pytest.mark.parametrize(
     ("units", "header", "scale"), [("METRIC", 0, 1e-3), ("ENGLISH", 4, 0.0254), ("", 5, 0.01)]
 )

@@ -156,6 +156,11 @@ BROKEN = {
         r"\(0.100 m\), 4.00 to 1",
     ),
     "huge": (spec(units_in_meter=1), None, r"its largest panel is 40 m long"),
+    "layer": (
+        spec({**TWO, "chest_pocket": (SQUARE, {})}),
+        None,
+        r"panel 'chest_pocket' is a pocket, which lies on another layer",
+    ),
     "two left sleeves": (
         spec(
             {

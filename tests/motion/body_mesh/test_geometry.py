@@ -105,8 +105,8 @@ def test_weights():
     def of(segment, where):
         return weights[where, SEGMENTS.index(segment)]
 
-    assert (of("pelvis", z > HIP + 0.26) > 0.98).all()
-    assert (of("right_thigh", (z > 0.64) & (z < 0.66) & (y < 0)) > 0.95).all()
+    assert (of("pelvis", z > HIP + 0.26) > 0.94).all()
+    assert (of("right_thigh", (z > 0.64) & (z < 0.66) & (y < 0)) > 0.94).all()
     assert (of("left_shank", (z > 0.26) & (z < 0.3) & (y > 0)) > 0.97).all()
     assert (of("left_foot", (z < 0.03) & (y > 0)) > 0.99).all()
     assert np.abs(of("right_shank", np.abs(z - KNEE) < 1e-3) - 0.5).max(initial=0) < 0.1
@@ -119,7 +119,7 @@ def test_turning_by_the_angle_never_folds():
     half = rigging.RANGES["knee"][1]
     angle = np.linspace(-120, 120, 4001)
     limit = 2 * half * (1 - 0.5 * rigging.ROUND)
-    assert limit == pytest.approx(126.0)
+    assert limit == pytest.approx(108.0)
     for bend, rises in ((0.999 * limit, True), (1.01 * limit, False)):
         assert (np.diff(angle + bend * ramp(angle / half)) > 0).all() == rises
 

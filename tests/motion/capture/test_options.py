@@ -15,9 +15,9 @@ NAMES = {option.name for option in OPTIONS}
 
 
 def test_arguments_of_read_motion():
-    """Same names and defaults; but the file, its window and `rigid`, which no scene changes."""
+    """Same names and defaults; but the file, its window, and what no scene has as a key."""
     arguments = inspect.signature(read_motion).parameters
-    assert set(arguments) == NAMES | {"file", "window", "rigid"}
+    assert set(arguments) == NAMES | {"file", "window", "rigid", "upper"}
     assert {o.name: o.default for o in OPTIONS} == {n: arguments[n].default for n in NAMES}
 
 
