@@ -138,7 +138,7 @@ def test_layers_fall_on_triangles(flesh):
 
 @pytest.mark.thorough
 def test_five_fine_layers_rest_on_a_sphere():
-    layers_rest(10, 2.0)
+    layers_rest(10, 2.0, 0.85)
 
 
 @pytest.mark.parametrize("name", ALL)
