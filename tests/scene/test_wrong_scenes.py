@@ -213,7 +213,6 @@ def test_other_commands_that_cannot_be(tmp_path, capsys, monkeypatch):
     assert (tmp_path / "scene.toml").read_text() == ""
 
 
-@pytest.mark.serial
 def test_what_is_no_file_is_refused():
     """By the functions that take names of files; and what is no time, by steps."""
     for call, what in ((sf.check, "a scene is"), (sf.read_motion, "a capture is")):
@@ -224,6 +223,7 @@ def test_what_is_no_file_is_refused():
             check_time(until)
 
 
+@pytest.mark.serial
 def test_program_refuses(tmp_path):
     """As a user calls it: a wrong option, a wrong scene."""
     (tmp_path / "scene.toml").write_text("belt_N = -1")
