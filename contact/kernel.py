@@ -243,6 +243,8 @@ class ContentCache:
             found, code = pickle.loads(path.read_bytes())
         except (OSError, EOFError, pickle.UnpicklingError):  # none, or cut short by a power cut
             return None
+        except (AttributeError, ImportError):  # of a class that another version had elsewhere
+            return None
         return self._numba.rebuild(context, code) if found == key else None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:

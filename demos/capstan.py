@@ -76,10 +76,10 @@ def sensitivity(friction, angle):
     return friction * angle * (1 + friction**2)
 
 
-def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9, flesh=None):
-    """Stepper of a belt with `cells` on an arc [rad], and where its two ends draw (2, 3).
+def belt_alone(cells, radius=0.1, angle=np.pi, sides=True):
+    """Shell of a belt with `cells` on an arc [rad], and where its two ends draw (2, 3).
 
-    flesh : of the cylinder, or None
+    sides : whether its sides are held in their planes
     """
     rho = radius + 5e-4
     arc = angle * rho
@@ -102,11 +102,20 @@ def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9, flesh=None):
     shell = Shell(surface, Fabric.from_stiffness(1e4 * plane, 1e-6 * plane, 0.2, 1e-3), COMM)
     half = 0.5 * angle
     out = np.array([[-np.cos(half), 0.0, -np.sin(half)], [np.cos(half), 0.0, -np.sin(half)]])
-    for edge in ("bottom", "top"):
+    for edge in ("bottom", "top") if sides else ():
         shell.supports.symmetry(edge, (0, 1, 0))
     shell.loads.line("left", HELD / WIDTH * out[0], lambda t: min(1.0, t / 0.02))
     shell.supports.hold("right")
     shell.supports.move("right", lambda t: travel(t) * out[1])
+    return shell, out
+
+
+def belt(cells, friction=0.3, radius=0.1, angle=np.pi, factor=0.9, flesh=None):
+    """Stepper of a belt over a cylinder, and where its two ends draw (2, 3).
+
+    flesh : of the cylinder, or None
+    """
+    shell, out = belt_alone(cells, radius, angle)
     stepper = Newmark(shell, factor, damping=DAMPING, drag=DRAG)
     body = Body([Segment("cylinder", (radius, 100.0, radius), Fixed())])
     contact = stepper.add(Contact(body, friction, flesh=flesh))

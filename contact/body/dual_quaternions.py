@@ -24,7 +24,7 @@ from contact.kernel import kernel
 Quaternion = tuple[float, float, float, float]  # real part first
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def product(a: Quaternion, b: Quaternion) -> Quaternion:
     """a b."""
     return (
@@ -35,13 +35,13 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
     )
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def times_conjugate(a: Quaternion, b: Quaternion) -> Quaternion:
     """a b*."""
     return product(a, (b[0], -b[1], -b[2], -b[3]))
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def set_motion(
     out: np.ndarray, centre: np.ndarray, axes: np.ndarray, at: np.ndarray, along: np.ndarray
 ) -> None:
@@ -78,7 +78,7 @@ def set_motion(
         out[i], out[4 + i] = r[i], d[i]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def set_rate(
     out: np.ndarray, motion: np.ndarray, centre: np.ndarray, velocity: np.ndarray, spin: np.ndarray
 ) -> None:
@@ -97,7 +97,7 @@ def set_rate(
         out[i], out[4 + i] = rate[i], first[i] + second[i]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def blend(
     motions: np.ndarray, rates: np.ndarray, which: np.ndarray, weights: np.ndarray
 ) -> tuple[Quaternion, Quaternion]:
@@ -122,7 +122,7 @@ def blend(
     return (b0, b1, b2, b3), (d0, d1, d2, d3)
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def sign(motions: np.ndarray, first: int, other: int) -> float:
     """1 if the quaternions of two motions are on one side, -1 if not."""
     dot = 0.0
@@ -131,7 +131,7 @@ def sign(motions: np.ndarray, first: int, other: int) -> float:
     return 1.0 if dot >= 0.0 else -1.0
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def moved(b: Quaternion, d: Quaternion, p: Quaternion) -> tuple[float, float, float]:
     """x of a point p (real part 0)."""
     # with b = (w, v) and d = (e, u): x = p + 2 (v x (v x p + w p + u) + w u - e v)/N
@@ -148,7 +148,7 @@ def moved(b: Quaternion, d: Quaternion, p: Quaternion) -> tuple[float, float, fl
     )
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def moving(
     b: Quaternion, d: Quaternion, p: Quaternion,
     db: Quaternion, dd: Quaternion, x: tuple[float, float, float],
@@ -170,7 +170,7 @@ def moving(
     )
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def gradients(
     b: Quaternion, d: Quaternion, p: Quaternion, f: Quaternion, x: tuple[float, float, float]
 ) -> tuple[Quaternion, Quaternion]:

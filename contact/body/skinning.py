@@ -45,14 +45,14 @@ SKIN = [
 ]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def _turned(axes, y, out):
     """out (3,) = vector y in the axes (rows) of a segment, in the world's."""
     for c in range(3):
         out[c] = y[0] * axes[0, c] + y[1] * axes[1, c] + y[2] * axes[2, c]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def set_motions(
     centres: np.ndarray, axes: np.ndarray, at: np.ndarray, along: np.ndarray,
     motions: np.ndarray, matrices: np.ndarray,
@@ -74,13 +74,13 @@ def set_motions(
             matrices[j, r, 3] = shift
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def _on_one(weights, i):
     """Whether vertex i is bound to one segment."""
     return weights.shape[1] == 1 or weights[i, 1] == 0.0
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def set_planes(
     bends: np.ndarray, centres: np.ndarray, axes: np.ndarray, planes: np.ndarray
 ) -> None:
@@ -106,7 +106,7 @@ def set_planes(
             at[5, c] /= size
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def place_skin(
     skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
     matrices: np.ndarray, planes: np.ndarray, out: np.ndarray,
@@ -136,7 +136,7 @@ def place_skin(
         out[i, 0], out[i, 1], out[i, 2] = x0, x1, x2
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def plane_rates(
     bends: np.ndarray, planes: np.ndarray, velocities: np.ndarray, spins: np.ndarray,
     out: np.ndarray,
@@ -160,7 +160,7 @@ def plane_rates(
             out[k, 1, c] -= along * at[5, c]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def skin_rates(
     skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
     rates: np.ndarray, planes: np.ndarray, of_planes: np.ndarray, out: np.ndarray,
@@ -191,7 +191,7 @@ def skin_rates(
             out[i, c] += push * at[5, c] + h * of_planes[k, 1, c]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def add_skin(
     skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
     bends: np.ndarray, planes: np.ndarray, centres: np.ndarray,
@@ -264,7 +264,7 @@ def add_skin(
                 book[j, 6 + c] += w * at_vertices[i, 3 + c]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def draw_smooth(
     rows: np.ndarray, starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
     scales: np.ndarray, at: np.ndarray, means: np.ndarray,
@@ -295,7 +295,7 @@ def draw_smooth(
             at[rows[r], c] = means[r, c]
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def _reach(j, w, i, at_vertices, out, listed, taken, count):
     """Add what acts at vertex i times w to vertex j; the number of vertices reached then."""
     if not taken[j]:
@@ -306,7 +306,7 @@ def _reach(j, w, i, at_vertices, out, listed, taken, count):
     return count
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def spread_smooth(
     row_of: np.ndarray, starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
     scales: np.ndarray, pushed: np.ndarray, at_vertices: np.ndarray, out: np.ndarray,
@@ -332,7 +332,7 @@ def spread_smooth(
     return count
 
 
-@kernel(makes_arrays=False)
+@kernel(makes_arrays=False, fastmath={"contract"})
 def clear_rows(rows: np.ndarray, table: np.ndarray, taken: np.ndarray) -> None:
     """Set rows of a table (n, k) to zero, and of taken (n,) to False."""
     for m in range(len(rows)):

@@ -5,7 +5,7 @@ import numpy as np
 
 from contact.kernel import kernel
 
-from .broad_phase import meet
+from .boxes import meet
 
 
 @kernel

@@ -22,7 +22,8 @@ import numpy as np
 
 from contact.solver.friction import Friction
 
-from .broad_phase import list_pairs, members_of
+from .boxes import members_of
+from .broad_phase import list_pairs
 from .features import Features
 from .rows import MARGIN, ROW, find_rows
 from .sweeps import LEFT, book, speed_up, spread, turn_kernel, wake
@@ -35,10 +36,11 @@ SKIN = 0.4  # of the mean size of the cells: pairs within it are listed
 STALE = 0.5  # of the skin: groups that have used it up are listed anew with others
 NEAR = 8.0  # part of the skin within which pairs are gone through in every step
 
-# (velocities (n, 3) by the impulses so far, whether nodes are in rows) -> nodes (k,) that touch a
-# body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves; None if there are none
-NO_BODY = np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3, 3))
-Respond = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray] | None]
+# nodes (k,) that touch a body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves
+Answer = tuple[np.ndarray, np.ndarray, np.ndarray]
+NO_BODY: Answer = np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3, 3))
+# (velocities (n, 3) by the impulses so far, whether nodes are in rows) -> answer, None without such
+Respond = Callable[[np.ndarray, np.ndarray], Answer | None]
 
 
 def new_list(size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -185,7 +187,8 @@ class SelfContactSolver:
         wanted, stale = self._thickness * (1.0 + MARGIN), region.stale(STALE * skin)
         while True:
             found = list_pairs(
-                x, *f[:4], f.numbers, f.places, self._members, stale, wanted + skin, *self._found,
+                x, *f[:4], f.numbers, f.places, tuple(self._members), stale, wanted + skin,
+                *self._found,
             )  # fmt: skip
             if found <= len(self._found[0]):
                 break

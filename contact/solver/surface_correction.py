@@ -33,7 +33,7 @@ from .surface_step import ROOM, surface_kernel
 JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
 SHARP = 0.5  # cosine between normals of one triangle
 SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
-GROWN = 3e-3  # m, that boxes are grown before they are fitted anew
+GROWN = 1.2e-3  # m, that boxes are grown before they are fitted anew
 RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
 
 

@@ -32,7 +32,8 @@ from .surface_step import surface_kernel
 def soft_node_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel meet_soft(i, x, v, mass, found, ...) of a law of friction, see `surface_node_kernel`.
 
-    beds : records (m,) BED of the owners, (n,) SIDE of the nodes, areal mass of the cloth [kg/m^2]
+    beds : records (m,) BED of the owners, (n,) SIDE of the nodes, areal mass of the cloth [kg/m^2],
+        (n,) bool, set where a node still lies in flesh; one that nothing pushes in a crease does
     """
     meet_hard = surface_node_kernel(kinetic_coefficient)
     press_plane = bed_kernel(kinetic_coefficient)
@@ -43,6 +44,7 @@ def soft_node_kernel(kinetic_coefficient: Callable) -> Any:
         end, planes, over, stack, bounds, owners, acting, beds,
     ):  # fmt: skip
         side, compliance, offset = beds[1][i], work.dt * work.dt / beds[2], work.offset
+        beds[3][i] = True
         depth = side.depth if side.owner >= 0 else 0.0
         work.offset = offset - depth
         pushing, near, deep = meet_hard(
@@ -86,6 +88,7 @@ def soft_node_kernel(kinetic_coefficient: Callable) -> Any:
         if not plane.push > 0.0:
             return -1, t, 0.0
         book_surface(x, v, mass, work, planes, over, mesh, start, acting)
+        beds[3][i] = True
         work.pushing = 1
         work.active += 1
         work.sticking += stick
@@ -128,17 +131,19 @@ class SurfaceFleshCorrection(OnFlesh, SurfaceCorrection):
     ):
         names = surface.names if body is None else body.names
         self.lay_beds(flesh, names, areal_mass, nodes)
+        self._in_flesh = np.zeros(nodes, bool)
         super().__init__(surface, nodes, body, friction, offset, fixed, recovery, allowed, smooth)
 
     def _kernel_of(self, friction: Friction) -> Any:
         return surface_kernel(friction.kinetic_coefficient, soft_node_kernel)
 
     def _beds_of(self, nodes):
-        return self._beds_of_segments, self.sides[nodes], self._areal
+        return self._beds_of_segments, self.sides[nodes], self._areal, self._in_flesh[nodes]
 
     def _correct_all(self, x, v, old, mass, dt):
+        self._in_flesh[:] = False
         bad = super()._correct_all(x, v, old, mass, dt)
-        self.sides["owner"][self.segment < 0] = -1
+        self.sides["owner"][~self._in_flesh] = -1
         return bad
 
     def state(self) -> dict[str, np.ndarray]:

@@ -9,10 +9,12 @@ friction. Asked are nodes that touched the body in the step before, and fast one
 
 from typing import Any
 
+from mpi4py import MPI
+
 import numpy as np
 
 from contact.kernel import kernel
-from contact.self_contact.solver import Respond
+from contact.self_contact.solver import Answer, Respond
 from contact.solver.friction import Friction
 
 FRICTIONLESS = Friction(0.0)
@@ -74,6 +76,22 @@ def leave(
                     left[i, c, e] += give[i] * normal * pushes[i, c] * pushes[i, e] / size
 
 
+def of_all_ranks(comm: Any, mine: Answer | None) -> Answer | None:
+    """Answers of all ranks, one rank after another; numbers are exchanged as they stand."""
+    count = 0 if mine is None else len(mine[0])
+    own = np.empty((count, 13))
+    if mine is not None:
+        own[:, 0], own[:, 1:4], own[:, 4:] = mine[0], mine[1], mine[2].reshape(count, 9)
+    counts = np.empty(comm.size, np.int64)
+    comm.Allgather(np.array([count]), counts)
+    if not counts.any():
+        return None
+    found = np.empty((counts.sum(), 13))
+    comm.Allgatherv(own, [found, 13 * counts, MPI.DOUBLE])
+    nodes, after = found[:, 0].astype(np.int64), found[:, 1:4].copy()
+    return nodes, after, found[:, 4:].copy().reshape(-1, 3, 3)
+
+
 def response(correction: Any, cloth: Any, stepper: Any, x: np.ndarray, dt: float) -> Respond:
     """Answers of a body in a step of dt [s], for `SelfContactSolver.solve`.
 
@@ -93,10 +111,7 @@ def response(correction: Any, cloth: Any, stepper: Any, x: np.ndarray, dt: float
             free = cloth.solver.mobility[whole]
             asked.extend((nodes, whole, x[nodes], stepper.mass[nodes], cloth.held[nodes], free))
         mine = answer(v, *asked) if len(asked[0]) else None
-        if comm.size == 1:
-            return mine
-        found = [part for part in comm.allgather(mine) if part is not None]
-        return tuple(map(np.concatenate, zip(*found, strict=True))) if found else None
+        return mine if comm.size == 1 else of_all_ranks(comm, mine)
 
     def answer(v, nodes, whole, y, mass, held, free):
         """Those of nodes (k,) of this rank at velocities v (n, 3) of all."""

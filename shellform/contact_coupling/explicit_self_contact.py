@@ -7,7 +7,7 @@ of nine nodes their four quarters.
 
 Ranks: every rank finds and solves all pairs, in the user's numbering, so that the result is the
 same on any number of them. A step in which nothing can touch costs one reduction; any other gathers
-six numbers a node, and its pairs are not shared out.
+nine numbers a node, and three more for the books; its pairs are not shared out.
 
 With a body (`meet`): self-contact first, which knows what the body makes of it (body_response.py),
 then the body, which has the last word.
@@ -83,6 +83,10 @@ class ExplicitSelfContact(Part):
         )  # fmt: skip
         self.thickness = thickness
         self._x = np.empty((stepper.n_owned, 3))
+        self._before = self._x  # velocities of all nodes in the last step, while rows are solved
+        n = 0 if self._comm.size == 1 else len(order)
+        # kept: memory that is new in every step costs ten times the exchange of large meshes
+        self._exchanged = np.empty((3, len(self._x), 3)), np.empty(9 * n), np.empty((3, n, 3))
         self.pairs = self.most_pairs = 0
         self.losses, self.seconds = np.zeros(2), 0.0
 
@@ -136,7 +140,9 @@ class ExplicitSelfContact(Part):
             comm.Allreduce(MPI.IN_PLACE, moved, MPI.MAX)
         if solver.needs(dt):
             respond = None if body is None else response(body, self, stepper, x, dt)
-            met = solver.solve(self.whole(x), self.whole(v), self.whole(stepper.v_old), dt, respond)
+            places, free, before = self.everywhere(x, v, stepper.v_old)
+            self._before = before
+            met = solver.solve(places, free, before, dt, respond)
         self.pairs = len(solver.rows)
         self.most_pairs = max(self.most_pairs, self.pairs)
         if met:
@@ -147,8 +153,25 @@ class ExplicitSelfContact(Part):
     def book(self, stepper: Any) -> None:
         """Add the losses of the last step, once all have had their say; all ranks call."""
         start = time.perf_counter()
-        self.solver.book(self.whole(stepper.v_old), self.whole(stepper.v), self.losses)
+        self.solver.book(self._before, self.whole(stepper.v), self.losses)
         self.seconds += time.perf_counter() - start
+
+    def everywhere(self, *owned: np.ndarray) -> Any:
+        """Three vectors (n, 3) of all nodes from those (n_owned, 3) of each rank, in one exchange.
+
+        The next call overwrites them.
+        """
+        if self._comm.size == 1:
+            return owned
+        mine, gathered, together = self._exchanged
+        np.stack(owned, out=mine)
+        self._comm.Allgatherv(mine, [gathered, 9 * self._counts, MPI.DOUBLE])
+        begin = 0
+        for count in self._counts:
+            end = begin + count
+            together[:, begin:end] = gathered[9 * begin : 9 * end].reshape(3, count, 3)
+            begin = end
+        return together
 
     def whole(self, owned: np.ndarray) -> np.ndarray:
         """Values (n, k) of all nodes, rank after rank, from those (n_owned, k) of each.

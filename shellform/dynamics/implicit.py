@@ -91,6 +91,7 @@ class ImplicitNewmark(Stepper):
     implicit = True
     smallest = 1e-6  # part of the largest step below which a step has failed for good
     instant = 1.0  # part of the step at whose end it is solved
+    equilibrium_class = Inertial  # what is solved in a step; other contact derives from it
 
     def __init__(
         self,
@@ -122,7 +123,7 @@ class ImplicitNewmark(Stepper):
             raise ValueError(f"drag is a finite number, not negative, not {drag}")
         if require_shell(shell, "ImplicitNewmark").supports.steady_goals():
             raise ValueError("in dynamics a prescribed displacement is a function of time")
-        self.equilibrium = Inertial(shell)
+        self.equilibrium = self.equilibrium_class(shell)
         super().__init__(shell, rotary_scale, prefix)
         self.equilibrium.load_factor = 1.0
         self.newton = Newton(self.equilibrium, prefix)

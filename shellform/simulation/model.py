@@ -76,14 +76,16 @@ class Model:
         stepper: Newmark,
         skin: SurfaceMotion | None = None,
         wearer: Wearer | None = None,
+        bare: bool = False,
     ) -> ExplicitContact:
         """Contact of a stepper's nodes with those parts of the body that each can come to.
 
         wearer : of the same parts, in another motion than the scene's
+        bare : without flesh and without contact of cloth with cloth
         """
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
         kinetic = contact.kinetic_friction
-        flesh = flesh_of(self.scene, self.whole.names, self.wearer.names)
+        flesh = None if bare else flesh_of(self.scene, self.whole.names, self.wearer.names)
         running = stepper.add(
             Contact(
                 self.wearer if wearer is None else wearer,
@@ -93,7 +95,7 @@ class Model:
                 flesh_stiffness=contact.flesh_stiffness if flesh is None and skin is None else None,
                 flesh=flesh,
                 surface=skin,
-                self_contact=contact.self_contact,
+                self_contact=contact.self_contact and not bare,
             )
         )
         if skin is None:  # a part of a skin would be open, and known no inside
@@ -157,7 +159,9 @@ class Model:
         from shellform.dressing.growing import Growing
 
         stepper, begin = self.stepper, self.wearer.start - GROWN
-        growing = self._meet(stepper, Growing(skin, self.wearer, begin, GROWN))
+        # hard, as what lies deep inside would not be moved by flesh; and cloth that is pushed out
+        # from inside a limb may have to pass other cloth
+        growing = self._meet(stepper, Growing(skin, self.wearer, begin, GROWN), bare=True)
         with borrowed(stepper):
             stepper.time, stepper.drag = begin, Dressing().drag
             growing.friction = Dressing().slip

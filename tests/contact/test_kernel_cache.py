@@ -169,6 +169,10 @@ def test_damaged_and_forgotten_files(work):
     files[1].write_bytes(next(place.rglob("work.inner.inner*.nbc")).read_bytes())
     assert result(start(place)) == (11.0, MISS)
     assert result(start(place)) == (11.0, HIT)
+    # a class that an argument was of has gone to another file
+    files[0].write_bytes(b"ccontact.kernel\nGone\n.")
+    files[1].write_bytes(b"ccontact.gone\nGone\n.")
+    assert result(start(place)) == (11.0, MISS)
     flushed = "from work.outer import outer\nouter(1.0)\nouter.recompile()\n" + RUN
     result(start(place, flushed))
     assert len(list(place.rglob("work.outer*.nbc"))) == 2

@@ -138,7 +138,7 @@ def test_layers_fall_on_triangles(flesh):
 
 @pytest.mark.thorough
 def test_five_fine_layers_rest_on_a_sphere():
-    layers_rest(10, 2.0)
+    layers_rest(10, 2.0, 0.85)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -292,3 +292,11 @@ def test_nothing_of_it_is_loaded_unless_asked_for():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_contact_that_is_removed_takes_the_one_of_its_cloth_along():
+    stepper, contact = stacked(2, layers=2)
+    stepper.remove(contact)
+    assert stepper.self_contact is None
+    again = stepper.add(Contact(ball(), 0.3, self_contact=True))
+    assert stepper.self_contact is again.cloth

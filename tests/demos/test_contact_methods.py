@@ -3,7 +3,7 @@
 
 import pytest
 
-from demos.studies.contact_methods import run
+from demos.studies.contact_methods import implicit, run
 
 pytestmark = pytest.mark.serial
 
@@ -20,6 +20,18 @@ def test_a_sleeve():
 
 @pytest.mark.thorough
 def test_the_table(tmp_path, capsys):
-    run.main(["--scenes", "drape", "--stiffness", "1e7", "--out", str(tmp_path)])
-    assert "penalty 1e+07" in capsys.readouterr().out
-    assert len((tmp_path / "contact_methods.csv").read_text().splitlines()) == 3
+    """In implicit steps too a penalty errs by what it gives way; the augmented one does not."""
+    options = ["--scenes", "sleeve", "--stiffness", "1e7", "--augmented", "1e6"]
+    run.main([*options, "--out", str(tmp_path)])
+    assert "augmented 1e+06" in capsys.readouterr().out
+    assert len((tmp_path / "contact_methods.csv").read_text().splitlines()) == 6
+    held, limp, augmented = run.implicit_rows_of("sleeve", (1e7,), (1e6,))
+    assert limp["error %"] < -3
+    assert augmented["error %"] == pytest.approx(held["error %"], abs=0.01)
+    assert augmented["depth [mm]"] < 1e-3 < 0.05 < limp["depth [mm]"]
+
+
+def test_a_run_that_does_not_end_says_so(monkeypatch):
+    monkeypatch.setattr(implicit, "MOST_SOLVES", 2)
+    row = implicit.run("sleeve", 1e7, 0)
+    assert row["error %"] == "after 2 solves, at 0.006 s"

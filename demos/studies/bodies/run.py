@@ -55,7 +55,10 @@ def torque_lines(folders: list[Path]) -> list[str]:
 
 
 def cost_lines(folders: list[Path], options: argparse.Namespace) -> list[str]:
-    """Seconds of the walk up to TIMED on both, stepped in turns of PIECE, and their ratio."""
+    """Seconds of the walk up to TIMED on both, stepped in turns of PIECE, and their ratio.
+
+    All steps in seconds of the processor; contact in those of the clock.
+    """
     models = [Model(scene_of(body, options), console.COMM) for body in BODIES]
     for model, folder in zip(models, folders, strict=True):
         model.put_on(folder / "dressed.npz")
@@ -63,9 +66,9 @@ def cost_lines(folders: list[Path], options: argparse.Namespace) -> list[str]:
     spent = [0.0, 0.0]
     for until in np.arange(PIECE, TIMED + 1e-9, PIECE):
         for k, model in enumerate(models):
-            begin = time.perf_counter()
+            begin = time.process_time()
             model.stepper.advance(until)
-            spent[k] += time.perf_counter() - begin
+            spent[k] += time.process_time() - begin
     contact = [model.contact.seconds - was for model, was in zip(models, before, strict=True)]
     return [
         f"{name:16} {one:16.1f} {other:16.1f} {other / one:16.2f} times"

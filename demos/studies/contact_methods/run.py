@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-r"""Contact by impulses that let nothing in, and by penalties, in explicit steps, side by side.
+r"""Contact by impulses that let nothing in, by penalties and augmented Lagrangians, side by side.
 
 The paper's Sec. 3.2 reviews penalties (Hallquist's slidelines) and augmented Lagrangians (Simo and
-Laursen). A penalty of k [Pa/m] is a bed of that stiffness under the skin (flesh_bed.py of contact).
-Three scenes with exact answers:
+Laursen). In explicit steps a penalty of k [Pa/m] is a bed of that stiffness under the skin
+(flesh_bed.py of contact); in implicit steps both are those of augmented_lagrangian.py, beside nodes
+held by an active set with impulses (implicit_contact.py of shellform). Three scenes with exact
+answers:
 
     capstan   T2/T1 = exp(mu phi) of a belt drawn over a cylinder
     sleeve    hoop tension N of a stretched tube on a cylinder: force 2 pi L N
     drape     a square lies on a sphere: force up is its weight
 
-What is printed: error of the answer, how deep the cloth lies below the skin, steps, and the time a
-step takes beside that of the impulses. The augmented Lagrangian, of statics, stands beside these
-in demos/studies/reviewed (eischen), on a strip laid on a table.
+What is printed: error of the answer, how deep the cloth lies below the skin, steps, solves, steps
+that failed and were cut in two, and seconds of processor time. A run that does not end is given up,
+and its row says where.
 
     python -m demos.studies.contact_methods.run --out out/contact_methods
 """
@@ -22,14 +24,14 @@ from pathlib import Path
 
 import numpy as np
 
-import meshes
 from demos import capstan
+from demos.studies.contact_methods import implicit, scenes
 from demos.studies.drape.figures import print_table, write_table
-from shellform import Body, Contact, Fabric, Fixed, Flesh, Newmark, Segment, Shell, console
+from shellform import Contact, Flesh, Newmark, console
 
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8)  # Pa/m
-CLOTH = Fabric.isotropic(1e6, 0.0, 1e-3, 200.0)
-G = 9.81
+AUGMENTED = (1e5, 1e6, 1e7)  # Pa/m
+KINDS = ("explicit", "implicit")
 
 
 def depth_of(stepper) -> float:
@@ -50,58 +52,69 @@ def belt(flesh: Flesh | None, cells: int = 16) -> tuple[float, Newmark]:
 
 def sleeve(flesh: Flesh | None) -> tuple[float, Newmark]:
     """The same of the force of a sleeve, on a cylinder without friction."""
-    rest, radius, long = 0.048, 0.05, 0.1
-    surface = meshes.cylinder(rest, long, (40, 6)).transform(translation=(0, 0, -0.5 * long))
-    shell = Shell(surface.replace(warp=(0.0, 0.0, 1.0)), CLOTH)
-    points = surface.points[shell.partition.nodes]
-    shell.w.x.array.reshape(-1, 6)[:, :3] = (radius / rest - 1) * points * [1.0, 1.0, 0.0]
+    shell, limb = scenes.stretched_sleeve()
     stepper = Newmark(shell, 0.9, damping=2e-4, drag=60.0)
-    limb = Body([Segment("arm", (radius - 5e-4, radius - 5e-4, 200.0), Fixed())])
     contact = stepper.add(Contact(limb, 0.0, flesh=flesh))
     stepper.advance(0.1)
     contact.reset()
     stepper.advance(0.14)
     window = contact.window
     force = shell.partition.gather(window.impulse / window.seconds)
-    outward = np.sum(force * surface.points * [1, 1, 0] / rest)
-    tension = 1e3 * 0.5 * ((radius / rest) ** 2 - 1) * radius / rest
-    return outward / (2 * np.pi * long * tension) - 1, stepper
+    return scenes.error_of_sleeve(force, shell.positions()), stepper
 
 
 def drape(flesh: Flesh | None) -> tuple[float, Newmark]:
     """The same of the weight of a square on a sphere."""
-    surface = meshes.rectangle(0.5, 0.5, (12, 12)).transform(translation=(-0.24, -0.255, 2e-3))
-    shell = Shell(surface, CLOTH)
-    shell.loads.gravity((0.0, 0.0, -G))
+    shell, ball = scenes.square_on_a_ball(6)
     stepper = Newmark(shell, 0.8, drag=8.0, damping=1e-3)
-    ball = Body([Segment("ball", [0.25] * 3, Fixed((0.0, 0.0, -0.25)))])
     contact = stepper.add(Contact(ball, 0.3, flesh=flesh))
     stepper.advance(3.0)
     contact.reset()
     stepper.advance(3.5)
     up = shell.comm.allreduce(contact.window.impulse[:, 2].sum()) / contact.window.seconds
-    return up / (CLOTH.areal_mass * 0.25 * G) - 1, stepper
+    return scenes.error_of_weight(up), stepper
 
 
 SCENES = {"capstan": belt, "sleeve": sleeve, "drape": drape}
 
 
 def rows_of(scene: str, stiffnesses: tuple[float, ...]) -> list[dict]:
-    """Impulses first, then penalties."""
+    """Explicit steps, impulses first, then penalties."""
     rows: list[dict] = []
     for k in (None, *stiffnesses):
         start = time.process_time()
         error, stepper = SCENES[scene](None if k is None else Flesh(k))
-        step = (time.process_time() - start) / stepper.steps
         rows.append(
             {
-                "scene": scene, "contact": "impulses" if k is None else f"penalty {k:.0e} Pa/m",
+                "scene": scene, "steps are": "explicit", "contact": name_of(k),
                 "error %": 100 * error, "depth [mm]": 1e3 * depth_of(stepper),
-                "steps": stepper.steps, "time a step, ratio": step,
+                "steps": stepper.steps, "solves": 0, "cut back": 0,
+                "seconds": time.process_time() - start,
             }
         )  # fmt: skip
-    first = rows[0]["time a step, ratio"]
-    return [row | {"time a step, ratio": row["time a step, ratio"] / first} for row in rows]
+    return rows
+
+
+def implicit_rows_of(
+    scene: str, stiffnesses: tuple[float, ...], augmented: tuple[float, ...]
+) -> list[dict]:
+    """Implicit steps: nodes held by an active set, penalties, augmented Lagrangians."""
+    methods: list[tuple[float | None, int]] = [(None, 0), *((k, 0) for k in stiffnesses)]
+    methods += [(k, implicit.TURNS) for k in augmented]
+    rows: list[dict] = []
+    for k, turns in methods:
+        start = time.process_time()
+        run = implicit.run(scene, k, turns)
+        row = {"scene": scene, "steps are": "implicit", "contact": name_of(k, turns)}
+        rows.append(row | run | {"seconds": time.process_time() - start})
+    return rows
+
+
+def name_of(stiffness: float | None, turns: int = 0) -> str:
+    """Of a method, for the table."""
+    if stiffness is None:
+        return "impulses"
+    return f"{'augmented' if turns else 'penalty'} {stiffness:.0e} Pa/m"
 
 
 def main(given=None) -> None:
@@ -110,10 +123,19 @@ def main(given=None) -> None:
     parser.add_argument(
         "--stiffness", nargs="+", type=console.positive(float), default=STIFFNESSES, help="Pa/m"
     )
+    parser.add_argument(
+        "--augmented", nargs="+", type=console.positive(float), default=AUGMENTED, help="Pa/m"
+    )
+    parser.add_argument("--steps", nargs="+", choices=KINDS, default=list(KINDS))
     parser.add_argument("--out", default="out/contact_methods", help="folder for results")
     options = console.parse(parser, given)
-    rows = [row for scene in options.scenes for row in rows_of(scene, tuple(options.stiffness))]
-    print_table("Contact by impulses and by penalties, explicit steps", rows, list(rows[0]))
+    rows: list[dict] = []
+    for scene in options.scenes:
+        if "explicit" in options.steps:
+            rows += rows_of(scene, tuple(options.stiffness))
+        if "implicit" in options.steps:
+            rows += implicit_rows_of(scene, tuple(options.stiffness), tuple(options.augmented))
+    print_table("Contact by impulses, penalties, augmented Lagrangians", rows, list(rows[0]))
     Path(options.out).mkdir(parents=True, exist_ok=True)
     write_table(f"{options.out}/contact_methods.csv", rows)
 

@@ -219,3 +219,23 @@ def test_normal_of_a_vertex_is_found_once():
     assert place.normals[7] == pytest.approx(vertices[7] / 0.1, abs=1e-14)
     refit(mesh, place)
     assert not place.known.any()
+
+
+def test_rings_go_around_vertices_also_where_two_surfaces_meet_in_one():
+    """Counterclockwise: each triangle begins at the corner where the one before it ended."""
+    points, triangles = sphere(0.1, 1)
+    other = points * [1.0, 1.0, -1.0] + [0.0, 0.0, 2 * points[:, 2].max()]
+    top = int(points[:, 2].argmax())
+    number = np.arange(len(points)) + len(points)
+    number[top] = top  # both balls share this vertex
+    both = np.vstack([triangles, number[triangles[:, ::-1]]])
+    mesh = mesh_of(both, np.vstack([points, other]))
+    breaks = 0
+    for i in range(len(points)):
+        own = slice(mesh.ring_start[i], mesh.ring_start[i + 1])
+        ring, ends = mesh.ring[own], mesh.ring_ends[own]
+        assert sorted(ring) == sorted(np.flatnonzero((both == i).any(axis=1)))
+        for t, (p, q) in zip(ring, ends, strict=True):
+            assert any([i, p, q] == np.roll(both[t], k).tolist() for k in range(3))
+        breaks += int((ends[1:, 0] != ends[:-1, 1]).sum())
+    assert breaks == 1  # where the second ball begins

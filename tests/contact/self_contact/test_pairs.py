@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from contact.self_contact.broad_phase import list_pairs, members_of
+from contact.self_contact.boxes import members_of
+from contact.self_contact.broad_phase import list_pairs
 from contact.self_contact.closest_points import closest, on_edges, on_triangle
 from contact.self_contact.intersections import count_intersections
 from tests.contact.self_contact.meshes_of_triangles import crossings, featured, sheet, together
@@ -45,7 +46,7 @@ def test_two_edges():
 def pairs_of(points, f, reach, groups=1):
     """Keys and distances of the list of groups of triangles that are neighbours by number."""
     m = len(f.triangles)
-    members = members_of(f, np.arange(m) * groups // m)
+    members = tuple(members_of(f, np.arange(m) * groups // m))
     keys, distance, of = np.empty(200_000, np.int64), np.empty(200_000), np.empty(200_000, np.int64)
     found = list_pairs(
         points, *f[:4], f.numbers, f.places, members, np.ones((groups, groups), bool), reach, keys,

@@ -6,6 +6,7 @@ import pytest
 
 from contact.body.segments import Body, Fixed, Segment
 from contact.geometry.ellipsoid import closest_points
+from contact.solver.friction import Friction
 from contact.solver.velocity_correction import VelocityCorrection
 from tests.contact.solver.bodies import G, energy, limbs, outside, spheres
 
@@ -203,3 +204,36 @@ def test_restart_continues_bit_for_bit():
     run(again, kept[1], kept[2], 40, 40)
     assert np.array_equal(x, kept[1]) and np.array_equal(v, kept[2])
     assert np.array_equal(whole.segment, again.segment)
+
+
+def test_preview_says_what_a_call_does_and_keeps_nothing():
+    """Of some nodes, also with another friction; `may_touch` as its formula in arrays."""
+    rng = np.random.default_rng(3)
+    body, n, dt = Body([Segment("ball", [0.2] * 3, Fixed())]), 60, 1e-3
+    x = rng.normal(size=(n, 3))
+    x *= rng.uniform(0.2, 0.24, (n, 1)) / np.linalg.norm(x, axis=1)[:, None]
+    v, mass = -8.0 * x + rng.normal(size=(n, 3)), np.full(n, 1e-3)
+    met, asked = VelocityCorrection(body, n, 0.3), VelocityCorrection(body, n, 0.3)
+    free = v.copy()
+    for one in (met, asked):
+        one(x, v.copy(), mass, dt, 0.0)
+    some = np.flatnonzero(rng.uniform(size=n) < 0.5)
+    before = {name: value.copy() for name, value in asked.state().items()}
+    after, active, _ = asked.preview(some, x[some], free[some], mass[some], dt, 0.0)
+    smooth, _, sticking = asked.preview(
+        some, x[some], free[some], mass[some], dt, 0.0, Friction(0.0)
+    )
+    met(x, v, mass, dt, 0.0)
+    assert after == pytest.approx(v[some], abs=1e-12) and 0 < active < len(some)
+    assert sticking == 0 and np.abs(smooth - after).max() > 1e-3
+    again, _, _ = asked.preview(some, x[some], free[some], mass[some], dt, 0.0)
+    assert np.array_equal(again, after)
+    for name, value in asked.state().items():
+        assert np.array_equal(value, before[name])
+    way = 2 * dt * np.linalg.norm(free, axis=1)
+    nodes = np.arange(n)
+    for least in (0.0, float(np.median(way)), 1.0):
+        near = ~(asked._away > way + float(asked._work["motion"])) & (way > least)
+        expected = near | (asked.segment >= 0)
+        assert np.array_equal(asked.may_touch(nodes, free, dt, least), expected)
+    assert expected.any() and not expected.all()
