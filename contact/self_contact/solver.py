@@ -258,7 +258,7 @@ class SelfContactSolver:
         after[nodes] = held
         taken = np.zeros(2)
         book(rows, v, after, taken)
-        return -taken.sum() > rows["push"] @ np.maximum(rows["bound"], 0.0)
+        return not -taken.sum() <= rows["push"] @ np.maximum(rows["bound"], 0.0)
 
     def _stop(self, v, one_turn):
         """Impulses that only take energy, for a step in which body and layers do not agree.
