@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Layers between two closing parts of the body, which leave them no room: no energy of their own."""
+"""Layers between two closing parts of the body, which leave them no room: no energy by them."""
 
 from mpi4py import MPI
 
