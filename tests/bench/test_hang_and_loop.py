@@ -79,7 +79,7 @@ def test_bending_length_with_friction_and_softening():
     assert warp.bending_length > 1.1 * warp.at_rest  # friction holds it up
 
 
-@pytest.mark.parametrize("kind", ["heart", "pear"])
+@pytest.mark.parametrize("kind", [pytest.param("heart", marks=pytest.mark.thorough), "pear"])
 def test_loops(kind):
     """Height to 0.1 % of the elastica's, of loops of two lengths."""
     fabric = fabric_of("compliant")

@@ -32,6 +32,7 @@ def test_impact(speed):
     assert out["growth"] < 1e-9 and out["row"]["momentum_z"] > 0.5 * out["first"]["momentum_z"]
 
 
+@pytest.mark.slow
 def test_impact_of_implicit_steps():
     """The same at 300 m/s, a step three times as long as the way to the body."""
     out = meeting.impact(300.0, dt=1e-4)

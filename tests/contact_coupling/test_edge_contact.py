@@ -58,6 +58,7 @@ def test_a_strip_hangs_over_a_rod(radius, shift, angle, triangles):
     assert stepper.shell.positions()[:, 2].max() > 0.0
 
 
+@pytest.mark.slow
 def test_a_blade_of_an_ellipsoid():
     stepper = strip(shift=0.01, height=0.003)
     stepper.add(Contact(rod(0.002, shape=(1.0, 0.002, 0.002)), friction=0.3))

@@ -211,6 +211,7 @@ def belt_ratio(cells, kind="ellipsoid", mu=0.3, radius=0.1, width=0.02):
     return pull / held
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kind", ["ellipsoid", pytest.param("triangles", marks=pytest.mark.thorough)]
 )

@@ -31,6 +31,7 @@ def watched(stepper, axis=lambda t: (np.zeros(3), ACROSS)):
     return passages
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.0, 0.4])
 @pytest.mark.parametrize("shape", [(1.0, 0.002, 0.08), (1.0, 0.002, 0.002)], ids=["edge", "blade"])
 def test_sharp_edges_hold(shape, angle):
@@ -115,6 +116,7 @@ def test_tips_do_not_come_through_a_cell(radius, options):
     assert shell.positions()[cell, 2].mean() > 0.03 - 0.7 * radius  # the cell is taken along
 
 
+@pytest.mark.slow
 def test_a_nine_node_sheet_on_a_rod():
     """Edges of the quarters of its cells hold."""
     surface = meshes.rectangle(0.48, 0.1, (6, 2), degree=2)

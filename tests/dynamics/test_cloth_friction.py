@@ -80,6 +80,7 @@ def test_friction_takes_energy():
     assert "hysteresis_loss" not in row and "hysteresis" not in stepper.balance()
 
 
+@pytest.mark.slow
 def test_implicit_steps_follow_explicit_ones():
     explicit = Newmark(flag(), 0.5)
     explicit.advance(0.15)

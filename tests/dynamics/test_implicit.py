@@ -30,9 +30,9 @@ def swing(steps, end, clamped, kind=ImplicitNewmark, **options):
 
 CASES = [
     (True, ImplicitNewmark, {}),
-    (False, ImplicitNewmark, {}),
-    (True, ImplicitNewmark, {"alpha": -0.2}),
-    (False, ImplicitMidpoint, {}),
+    pytest.param(False, ImplicitNewmark, {}, marks=pytest.mark.slow),
+    pytest.param(True, ImplicitNewmark, {"alpha": -0.2}, marks=pytest.mark.slow),
+    pytest.param(False, ImplicitMidpoint, {}, marks=pytest.mark.slow),
 ]
 
 
@@ -47,6 +47,7 @@ def test_second_order_in_time(clamped, kind, options):
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_alpha_damps_what_steps_do_not_resolve():
     """A checkerboard of velocities: its energy stays at alpha = 0 and is gone at alpha = -0.3."""
     left = []
@@ -64,6 +65,7 @@ def test_alpha_damps_what_steps_do_not_resolve():
     assert left[1] < 1e-3
 
 
+@pytest.mark.slow
 def test_tolerance_controls_the_error():
     """Steps follow the error asked for; an eighth of it leaves about a quarter of the error."""
     goal, _ = swing(300, 0.2, True)
@@ -113,6 +115,7 @@ def test_midpoint_conserves_angular_momentum():
     assert e > 1e-6 * k
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [ImplicitNewmark, ImplicitMidpoint])
 def test_prescribed_motion_is_followed(kind):
     """An edge on a circle, its director turned at a rate: there, at the right velocity."""

@@ -64,6 +64,7 @@ def test_stress_fulfils_the_conditions_of_the_minimum():
     assert seen.min() > 500
 
 
+@pytest.mark.slow
 def test_stress_against_a_search():
     """Minimisation over W = L L^T from several starts, which knows no angles."""
     rng = np.random.default_rng(3)

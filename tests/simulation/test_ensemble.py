@@ -214,6 +214,7 @@ def test_interrupted_ensemble_goes_on(ensemble, tmp_path):
     assert len(mean_rows(out)) == len(mean_rows(ensemble[0]))
 
 
+@pytest.mark.thorough
 @needs_mpirun
 @pytest.mark.slow
 def test_ensemble_on_two_ranks(ensemble, tmp_path):

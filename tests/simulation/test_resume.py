@@ -115,6 +115,7 @@ def test_killed_run_goes_on(walked, killed, tmp_path):
         assert (out / name).read_bytes() == (walked[0] / name).read_bytes(), name
 
 
+@pytest.mark.thorough
 @needs_mpirun
 @pytest.mark.serial
 @pytest.mark.slow

@@ -26,6 +26,7 @@ def test_thickness(ratio):
     assert max(flown["momentum"], flown["turning"]) < 1e-12 and flown["energy"] < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1e-2, 1e-4, 1e-6])
 def test_lowest_note(ratio):
     """The period of a thin strip held at one end, within what lumped cells leave, at any thickness.
@@ -97,6 +98,7 @@ def test_density(density, flight):
     assert same(motion.tumbled(fabric, steps=400)["places"], flight, 1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1.0, 1e4])
 def test_warp_over_weft(ratio):
     """Bent along either yarn, pulled off both."""

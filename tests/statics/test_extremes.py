@@ -95,6 +95,7 @@ def test_micrometres_and_kilometres(size, flight):
     assert same(flown, flight, 1e-9)  # thickness and size are rounded apart
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("far", [1e6, 1e8])
 def test_origin_far_away(far):
     """What is lost is the digits of the coordinates, eps times the distance."""
@@ -133,6 +134,7 @@ def test_explicit_steps(comm):
     assert np.abs(places - fine).max() / size < 1e-3
 
 
+@pytest.mark.slow
 def test_implicit_steps():
     """From the stable step to a hundred of it: solved or cut back; small steps are right."""
     fine = motion.swung(0.05)[0]

@@ -213,7 +213,7 @@ def fold(mesh, sharpness, triangles=False, yarns=None, **options):
 @pytest.mark.serial
 @pytest.mark.slow
 @pytest.mark.parametrize("triangles", [False, True], ids=["quad", "triangle"])
-@pytest.mark.parametrize("sharpness", [7, 74])
+@pytest.mark.parametrize("sharpness", [7, pytest.param(74, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("mesh", FOLD_MESHES)
 def test_fold_across_the_mesh(mesh, sharpness, triangles):
     """Tip within 1 %, rotation within 1 %, whatever lines the fold crosses."""
@@ -223,7 +223,10 @@ def test_fold_across_the_mesh(mesh, sharpness, triangles):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("yarns", [0, 22, 45])
+@pytest.mark.parametrize(
+    "yarns",
+    [pytest.param(0, marks=pytest.mark.thorough), pytest.param(22, marks=pytest.mark.thorough), 45],
+)
 def test_fold_of_woven_cloth(yarns):
     """The same for cloth soft in shear, folded along and across its yarns."""
     error, rotation = fold("25 %", 74, yarns=yarns)
