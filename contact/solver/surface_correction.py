@@ -262,6 +262,11 @@ class SurfaceCorrection(NodeCorrection):
         return self._mesh, self._start
 
     @property
+    def nearest(self) -> np.ndarray:
+        """Triangle (n,) int last found under each node, -1 for none; to be read only."""
+        return self._near
+
+    @property
     def vertices(self) -> np.ndarray:
         """Places (nv, 3) [m] of the vertices at the start of the last step; to be read only."""
         return self._start.vertices
