@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A closed surface of triangles as skin of several segments, flesh pressed behind bent joints.
 
-Where the skin spans between parts that turn apart, as between the legs, it is drawn smooth: each
-place there is a mean of others, by a matrix whose rows add up to 1 and which stays the same. So
-that is linear too, and its adjoint the transpose.
+Where the skin spans between parts that turn apart, as between the legs, it is drawn smooth
+(`smoothing`), which is linear too.
 
 A `surface_motion.SurfaceMotion`: what contact asks of it is where vertices are, and the adjoint.
 Weights, place and pose at binding stay; a pose is looked up once for each time, and those of the
@@ -16,21 +15,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .bend_planes import BENDS, plane_rates, set_planes
 from .dual_quaternions import set_rate
 from .segments import Pose
-from .skinning import (
-    BENDS,
-    SKIN,
-    add_skin,
-    clear_rows,
-    draw_smooth,
-    place_skin,
-    plane_rates,
-    set_motions,
-    set_planes,
-    skin_rates,
-    spread_smooth,
-)
+from .skin_adjoint import add_skin
+from .skinning import SKIN, place_skin, set_motions, skin_rates
+from .smoothing import Smoothing
 
 LEAST = 2e-3  # weights below are left out
 ALONE = 0.9  # weight of two segments above which no other carries a vertex
@@ -125,9 +115,7 @@ class SkinnedSurface:
         nearest = np.full(n, np.inf)
         for k, bend in enumerate(bends):
             self._add_bend(k, bend, points, table, nearest)
-        self._smoothing = None
-        if smoothing is not None:
-            self._set_smoothing(*smoothing)
+        self._smoothing = None if smoothing is None else Smoothing(*smoothing)
         self._pose_of, self._every = pose, np.arange(n)
         self._now, self._before = (self._new_state(m, len(bends)) for _ in range(2))
         self._rates = np.zeros((m, 8))
@@ -139,24 +127,6 @@ class SkinnedSurface:
             np.full(1, np.nan), pose, np.zeros((m, 8)), np.zeros((m, 3, 4)),
             np.zeros((max(bends, 1), 7, 3)),
         )  # fmt: skip
-
-    def _set_smoothing(self, starts, columns, parts):
-        """Keep the rows that are not those of the identity."""
-        starts, columns = np.array(starts, np.int64), np.array(columns, np.int64)
-        parts, n = np.array(parts, float), len(self.skin)
-        count = np.diff(starts)
-        same = (count == 1) & (columns[np.minimum(starts[:-1], len(columns) - 1)] == np.arange(n))
-        rows, entries = np.flatnonzero(~same), np.repeat(~same, count)
-        row_of = np.full(n, -1)
-        row_of[rows] = np.arange(len(rows))
-        # half the size, as this is read in every step; what rounding takes of a sum is given back
-        starts, short = np.concatenate([[0], np.cumsum(count[rows])]), parts[entries].astype("f4")
-        scales = np.add.reduceat(parts[entries], starts[:-1])
-        scales /= np.add.reduceat(short.astype(float), starts[:-1])
-        self._smoothing = starts, columns[entries].astype(np.int32), short, scales
-        self._rows, self._row_of, self._means = rows, row_of, np.zeros((len(rows), 3))
-        self._spread, self._listed = np.zeros((n, 6)), np.zeros(n, np.int64)
-        self._taken = np.zeros(n, bool)
 
     def _add_bend(self, k, bend, points, table, nearest):
         """Record a bend, and the vertices of its two segments that it presses."""
@@ -219,7 +189,7 @@ class SkinnedSurface:
 
     def _smoothed(self, out):
         if self._smoothing is not None:
-            draw_smooth(self._rows, *self._smoothing, out, self._means)
+            self._smoothing.draw(out)
         return out
 
     def centres(self, t: float, out: np.ndarray) -> np.ndarray:
@@ -252,14 +222,10 @@ class SkinnedSurface:
         """See `surface_motion.SurfaceMotion`."""
         now, reached = self._set(t), self._every if pushed is None else pushed
         if self._smoothing is not None:
-            count = spread_smooth(
-                self._row_of, *self._smoothing, reached, at_vertices, self._spread, self._listed,
-                self._taken,
-            )  # fmt: skip
-            at_vertices, reached = self._spread, self._listed[:count]
+            reached, at_vertices = self._smoothing.spread(reached, at_vertices)
         add_skin(
             self.skin, self.which, self.weights, now.motions, self.bends, now.planes,
             now.pose.centres, reached, at_vertices, book,
         )  # fmt: skip
         if self._smoothing is not None:
-            clear_rows(reached, self._spread, self._taken)
+            self._smoothing.forget(reached)
