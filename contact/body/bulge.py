@@ -8,7 +8,8 @@ field k becomes
 
 d is a vector of the point, beta_k [m] one number for all points of the field. u_a and u_b are unit
 vectors fixed in the two segments of joint j, so c_j is the cosine of an angle that follows its
-bend, c_j0 that at binding, where nothing bulges. P is a polynomial. With the spins w_a, w_b
+bend, c_j0 that at binding, where nothing bulges. P is a cubic on each of some pieces of equal
+width, with a continuous derivative, and goes on straight beyond them. With the spins w_a, w_b
 
     beta_k' = sum_j P_kj' (u_a x u_b) . (w_a - w_b)
 
@@ -23,15 +24,15 @@ import numpy as np
 
 from contact.kernel import kernel
 
-DEGREE = 6  # of the polynomials at most
 SWELLS = [
     ("field", np.int64),
     ("above", np.int64),
     ("below", np.int64),
     ("along_above", float, 3),  # u_a, u_b in the axes of the segments
     ("along_below", float, 3),
-    ("rest", float),  # c_j0
-    ("amounts", float, DEGREE),  # of P, from the first power on [m]
+    ("first", float),  # cosine at which the first piece begins
+    ("width", float),  # of a piece
+    ("pieces", np.int64),
 ]
 
 
@@ -41,7 +42,8 @@ class Swell(NamedTuple):
     field : its number
     above, below : segments of the joint
     along_above, along_below : (3,), u_a and u_b at binding
-    amounts : up to DEGREE floats, coefficients of P from the first power on [m]
+    cosines : of the first and the last end of the pieces of P
+    amounts : (pieces, 4), of P + constant: powers 0 to 3 of the cosine less the start of the piece
     """
 
     field: int
@@ -49,7 +51,8 @@ class Swell(NamedTuple):
     below: str
     along_above: np.ndarray
     along_below: np.ndarray
-    amounts: Sequence[float]
+    cosines: tuple[float, float]
+    amounts: np.ndarray
 
 
 class Bulge(NamedTuple):
@@ -69,14 +72,27 @@ NO_BULGE = Bulge(np.zeros(0, np.int64), np.zeros((0, 3)), ())
 
 
 @kernel(makes_arrays=False, fastmath={"contract"})
+def amount(
+    first: float, width: float, pieces: int, amounts: np.ndarray, cosine: float
+) -> tuple[float, float]:
+    """P [m] and its derivative; amounts (>= pieces, 4), see `Swell`."""
+    inside = min(max(cosine, first), first + width * pieces)
+    k = min(int((inside - first) / width), pieces - 1)
+    y, p = inside - first - k * width, amounts[k]
+    slope = p[1] + y * (2.0 * p[2] + y * 3.0 * p[3])
+    return p[0] + y * (p[1] + y * (p[2] + y * p[3])) + slope * (cosine - inside), slope
+
+
+@kernel(makes_arrays=False, fastmath={"contract"})
 def set_bulge(
-    swells: np.ndarray, axes: np.ndarray, rows: np.ndarray, fields: np.ndarray,
-    directions: np.ndarray, bound: np.ndarray, amounts: np.ndarray, turns: np.ndarray,
-    points: np.ndarray,
+    swells: np.ndarray, table: np.ndarray, axes: np.ndarray, rows: np.ndarray,
+    fields: np.ndarray, directions: np.ndarray, bound: np.ndarray, amounts: np.ndarray,
+    turns: np.ndarray, points: np.ndarray,
 ) -> None:  # fmt: skip
     """Fill amounts (k,) beta of the fields [m], turns (s, 3) and the points (n, 3) that bulge [m].
 
-    swells (s,) SWELLS; axes (m, 3, 3) of the segments; turns : P' (u_a x u_b) of each
+    swells (s,) SWELLS, table (s, pieces, 4) : of P, see `amount`; turns : P' (u_a x u_b) of each
+    axes (m, 3, 3) : of the segments
     rows : vertices in a field; fields (n,), directions, bound (n, 3) : see `Bulge`
     """
     for k in range(len(amounts)):
@@ -90,10 +106,9 @@ def set_bulge(
         v0 = v[0] * b[0, 0] + v[1] * b[1, 0] + v[2] * b[2, 0]
         v1 = v[0] * b[0, 1] + v[1] * b[1, 1] + v[2] * b[2, 1]
         v2 = v[0] * b[0, 2] + v[1] * b[1, 2] + v[2] * b[2, 2]
-        change, value, slope = u0 * v0 + u1 * v1 + u2 * v2 - one.rest, 0.0, 0.0
-        for r in range(DEGREE - 1, -1, -1):
-            slope = slope * change + (r + 1) * one.amounts[r]
-            value = (value + one.amounts[r]) * change
+        value, slope = amount(
+            one.first, one.width, one.pieces, table[s], u0 * v0 + u1 * v1 + u2 * v2
+        )
         amounts[one.field] += value
         turns[s, 0] = slope * (u1 * v2 - u2 * v1)
         turns[s, 1] = slope * (u2 * v0 - u0 * v2)
@@ -143,10 +158,6 @@ class Bulging:
     """The bulge of a skin whose vertices are bound at points (n, 3) [m]; None: it has none.
 
     names, axes : of the segments (m,), at binding (m, 3, 3)
-
-    Raises
-    ------
-    ValueError for a polynomial of too high a degree
     """
 
     def __init__(
@@ -157,19 +168,18 @@ class Bulging:
         self.directions = np.array(given.directions, float, order="C")
         self._count = 1 + max((swell.field for swell in given.swells), default=-1)
         self._swells = np.zeros(len(given.swells), SWELLS)
+        longest = max((len(swell.amounts) for swell in given.swells), default=0)
+        self._table = np.zeros((len(given.swells), longest, 4))
         for s, swell in enumerate(given.swells):
-            if len(swell.amounts) > DEGREE:
-                raise ValueError(
-                    f"field {swell.field} bulges by a polynomial of degree {len(swell.amounts)}; "
-                    f"at most {DEGREE}"
-                )
             a, b = names.index(swell.above), names.index(swell.below)
             u, v = np.array(swell.along_above, float), np.array(swell.along_below, float)
-            row = self._swells[s]
+            first, last, pieces = *swell.cosines, len(swell.amounts)
+            row, part = self._swells[s], self._table[s, :pieces]
             row["field"], row["above"], row["below"] = swell.field, a, b
             row["along_above"], row["along_below"] = axes[a] @ u, axes[b] @ v
-            row["rest"] = u @ v
-            row["amounts"][: len(swell.amounts)] = swell.amounts
+            row["first"], row["width"], row["pieces"] = first, (last - first) / pieces, pieces
+            part[:] = swell.amounts
+            part[:, 0] -= amount(first, row["width"], pieces, part, u @ v)[0]
         self._rows = np.flatnonzero(self.fields >= 0)
         self._points, self.rates = points, np.zeros(self._count)
         self.along = np.zeros(self._count)  # Q of the fields
@@ -183,8 +193,8 @@ class Bulging:
         """Fill a state from the axes (m, 3, 3) of the segments."""
         if len(self._swells):
             set_bulge(
-                self._swells, axes, self._rows, self.fields, self.directions, self._points,
-                *state,
+                self._swells, self._table, axes, self._rows, self.fields, self.directions,
+                self._points, *state,
             )  # fmt: skip
 
     def set_rates(self, state: BulgeState, spins: np.ndarray) -> None:

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from contact.body.bulge import Bulge, Swell
@@ -74,10 +75,12 @@ def bulge(points):
     fields[::7] = -1
     directions = np.random.default_rng(5).normal(size=points.shape)
     ahead, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    c = np.linspace(-0.9, 0.8, 6)
+    rising = CubicSpline(c, 0.01 * np.sin(3.0 * c)).c[::-1].T
     swells = [
-        Swell(0, *NAMES, up, -up, (0.02, -0.01, 0.005)),
-        Swell(0, *NAMES, ahead, up, (-0.01,)),
-        Swell(1, *NAMES, up, np.sqrt(0.5) * (ahead - up), (0.01, 0.02, 0.0, -0.01, 0.0, 0.002)),
+        Swell(0, *NAMES, up, -up, (c[0], c[-1]), rising),
+        Swell(0, *NAMES, ahead, up, (-1.0, 1.0), [[0.0, -0.01, 0.005, 0.001]]),
+        Swell(1, *NAMES, up, np.sqrt(0.5) * (ahead - up), (c[0], c[-1]), -2.0 * rising),
     ]
     return Bulge(fields, directions, swells)
 
