@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A closed surface of triangles as skin of several segments, flesh pressed behind bent joints.
 
-Where the skin spans between parts that turn apart, as between the legs, it is drawn smooth: each
-place there is a mean of others, by a matrix whose rows add up to 1 and which stays the same. So
-that is linear too, and its adjoint the transpose.
+Where the skin spans between parts that turn apart, as between the legs, it is drawn smooth
+(`smoothing`), which is linear too.
 
 A `surface_motion.SurfaceMotion`: what contact asks of it is where vertices are, and the adjoint.
 Weights, place and pose at binding stay; a pose is looked up once for each time, and those of the
@@ -16,21 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .bend_planes import BENDS, plane_rates, set_planes
+from .bulge import Bulge, BulgeState, Bulging
 from .dual_quaternions import set_rate
 from .segments import Pose
-from .skinning import (
-    BENDS,
-    SKIN,
-    add_skin,
-    clear_rows,
-    draw_smooth,
-    place_skin,
-    plane_rates,
-    set_motions,
-    set_planes,
-    skin_rates,
-    spread_smooth,
-)
+from .skin_adjoint import add_skin
+from .skinning import SKIN, place_skin, set_motions, skin_rates
+from .smoothing import Smoothing
 
 LEAST = 2e-3  # weights below are left out
 ALONE = 0.9  # weight of two segments above which no other carries a vertex
@@ -62,13 +53,17 @@ class Bend(NamedTuple):
 
 
 class _State(NamedTuple):
-    """The segments at a time (1,) [s]: pose, motions, matrices and planes as of `skinning`."""
+    """The segments at a time (1,) [s]: pose, motions, matrices and planes as of `skinning`.
+
+    bulge : of the skin
+    """
 
     time: np.ndarray
     pose: Pose
     motions: np.ndarray
     matrices: np.ndarray
     planes: np.ndarray
+    bulge: BulgeState
 
 
 class SkinnedSurface:
@@ -84,6 +79,7 @@ class SkinnedSurface:
     bound : Pose of the segments at binding
     bends : joints where flesh meets flesh
     smoothing : rows of the matrix (n, n) as starts (n + 1,), columns and parts, or None
+    bulge : how it bulges as joints bend, or None
 
     Raises
     ------
@@ -102,8 +98,9 @@ class SkinnedSurface:
         bound: Pose,
         bends: Sequence[Bend] = (),
         smoothing: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
+        bulge: Bulge | None = None,
     ):
-        points, table = np.array(vertices, float), np.array(weights, float)
+        points, table = np.array(vertices, float, order="C"), np.array(weights, float)
         self.triangles, self.names = np.array(triangles, np.int64), tuple(names)
         n, m = len(points), len(self.names)
         if table.shape != (n, m) or not np.allclose(table.sum(axis=1), 1.0, atol=1e-6):
@@ -119,15 +116,14 @@ class SkinnedSurface:
         self.weights = np.ascontiguousarray(np.take_along_axis(table, order, axis=1))
         self.owners = np.argmax(table[self.triangles].sum(axis=1), axis=1)
         self.bound = Pose(*(np.array(part) for part in bound))
-        self.skin = np.zeros(n, SKIN)
-        self.skin["point"], self.skin["bend"] = points, -1
+        self.points, self.skin = points, np.zeros(n, SKIN)
+        self.skin["bend"] = -1
         self.bends = np.zeros(len(bends), BENDS)
         nearest = np.full(n, np.inf)
         for k, bend in enumerate(bends):
             self._add_bend(k, bend, points, table, nearest)
-        self._smoothing = None
-        if smoothing is not None:
-            self._set_smoothing(*smoothing)
+        self._smoothing = None if smoothing is None else Smoothing(*smoothing)
+        self._bulging = Bulging(bulge, self.names, self.bound.axes, points)
         self._pose_of, self._every = pose, np.arange(n)
         self._now, self._before = (self._new_state(m, len(bends)) for _ in range(2))
         self._rates = np.zeros((m, 8))
@@ -137,26 +133,8 @@ class SkinnedSurface:
         pose = Pose(*(np.zeros_like(part) for part in self.bound))
         return _State(
             np.full(1, np.nan), pose, np.zeros((m, 8)), np.zeros((m, 3, 4)),
-            np.zeros((max(bends, 1), 7, 3)),
+            np.zeros((max(bends, 1), 7, 3)), self._bulging.new_state(),
         )  # fmt: skip
-
-    def _set_smoothing(self, starts, columns, parts):
-        """Keep the rows that are not those of the identity."""
-        starts, columns = np.array(starts, np.int64), np.array(columns, np.int64)
-        parts, n = np.array(parts, float), len(self.skin)
-        count = np.diff(starts)
-        same = (count == 1) & (columns[np.minimum(starts[:-1], len(columns) - 1)] == np.arange(n))
-        rows, entries = np.flatnonzero(~same), np.repeat(~same, count)
-        row_of = np.full(n, -1)
-        row_of[rows] = np.arange(len(rows))
-        # half the size, as this is read in every step; what rounding takes of a sum is given back
-        starts, short = np.concatenate([[0], np.cumsum(count[rows])]), parts[entries].astype("f4")
-        scales = np.add.reduceat(parts[entries], starts[:-1])
-        scales /= np.add.reduceat(short.astype(float), starts[:-1])
-        self._smoothing = starts, columns[entries].astype(np.int32), short, scales
-        self._rows, self._row_of, self._means = rows, row_of, np.zeros((len(rows), 3))
-        self._spread, self._listed = np.zeros((n, 6)), np.zeros(n, np.int64)
-        self._taken = np.zeros(n, bool)
 
     def _add_bend(self, k, bend, points, table, nearest):
         """Record a bend, and the vertices of its two segments that it presses."""
@@ -206,6 +184,7 @@ class SkinnedSurface:
             pose.centres, pose.axes, bound.centres, bound.axes, state.motions, state.matrices
         )
         set_planes(self.bends, pose.centres, pose.axes, state.planes)
+        self._bulging.set(state.bulge, pose.axes)
         state.time[0] = t
         return state
 
@@ -213,13 +192,14 @@ class SkinnedSurface:
         """See `surface_motion.SurfaceMotion`."""
         now = self._set(t)
         place_skin(
-            self.skin, self.which, self.weights, now.motions, now.matrices, now.planes, out
+            self.skin, now.bulge.points, self.which, self.weights, now.motions, now.matrices,
+            now.planes, out,
         )  # fmt: skip
         return self._smoothed(out)
 
     def _smoothed(self, out):
         if self._smoothing is not None:
-            draw_smooth(self._rows, *self._smoothing, out, self._means)
+            self._smoothing.draw(out)
         return out
 
     def centres(self, t: float, out: np.ndarray) -> np.ndarray:
@@ -236,9 +216,11 @@ class SkinnedSurface:
                 self._rates[j], now.motions[j], pose.centres[j], pose.velocities[j], pose.spins[j]
             )
         plane_rates(self.bends, now.planes, pose.velocities, pose.spins, self._of_planes)
+        bulging = self._bulging
+        bulging.set_rates(now.bulge, pose.spins)
         skin_rates(
-            self.skin, self.which, self.weights, now.motions, self._rates, now.planes,
-            self._of_planes, out,
+            self.skin, now.bulge.points, self.which, self.weights, now.motions, self._rates,
+            now.planes, self._of_planes, bulging.fields, bulging.directions, bulging.rates, out,
         )  # fmt: skip
         return self._smoothed(out)
 
@@ -252,14 +234,13 @@ class SkinnedSurface:
         """See `surface_motion.SurfaceMotion`."""
         now, reached = self._set(t), self._every if pushed is None else pushed
         if self._smoothing is not None:
-            count = spread_smooth(
-                self._row_of, *self._smoothing, reached, at_vertices, self._spread, self._listed,
-                self._taken,
-            )  # fmt: skip
-            at_vertices, reached = self._spread, self._listed[:count]
+            reached, at_vertices = self._smoothing.spread(reached, at_vertices)
+        bulging = self._bulging
         add_skin(
-            self.skin, self.which, self.weights, now.motions, self.bends, now.planes,
-            now.pose.centres, reached, at_vertices, book,
+            self.skin, now.bulge.points, self.which, self.weights, now.motions, self.bends,
+            now.planes, now.pose.centres, bulging.fields, bulging.directions, bulging.along,
+            reached, at_vertices, book,
         )  # fmt: skip
+        bulging.add_to(book, now.bulge)
         if self._smoothing is not None:
-            clear_rows(reached, self._spread, self._taken)
+            self._smoothing.forget(reached)

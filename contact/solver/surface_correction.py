@@ -7,7 +7,6 @@ its surroundings carry the node (geometry/triangle_mesh/carried.py), and from th
 segments by the adjoint of the skinning: momentum, moments and virtual power are exact.
 """
 
-import warnings
 from typing import Any
 
 import numpy as np
@@ -18,23 +17,17 @@ from contact.body.segments import Body, Pose
 from contact.body.surface_motion import SurfaceMotion
 from contact.geometry.triangle_mesh.carried import forget_acting, new_acting
 from contact.geometry.triangle_mesh.closest import STACK
-from contact.geometry.triangle_mesh.placed import greatest_move, new_placed, refit
-from contact.geometry.triangle_mesh.smooth import most_raised
-from contact.geometry.triangle_mesh.topology import mesh_of
 
 from .contact_ledger import BOOKED
 from .friction import Friction
 from .node_correction import NodeCorrection
 from .step_record import FAR, LOOK
 from .supporting_planes import PLANE
-from .surface_node import PLANES
+from .surface_places import SurfacePlaces
+from .surface_planes import PLANES
 from .surface_step import ROOM, surface_kernel
 
-JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
-SHARP = 0.5  # cosine between normals of one triangle
 SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
-GROWN = 1.2e-3  # m, that boxes are grown before they are fitted anew
-RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
 
 
 class SurfaceCorrection(NodeCorrection):
@@ -90,15 +83,13 @@ class SurfaceCorrection(NodeCorrection):
         self._sheet[3] = -1.0
         self._planes, self._over = np.zeros(PLANES, PLANE), np.zeros(PLANES, np.int64)
         self._stack, self._bounds = np.zeros(STACK, np.int64), np.zeros(STACK)
-        self._smooth, self._highest = bool(smooth), 0.0
+        self._smooth = bool(smooth)
         self._acting = new_acting(surface.vertex_count)
         self.at_vertices = self._acting.table
         self._book = np.zeros((len(surface.names), BOOKED))
         self._owners = np.ascontiguousarray(self._rows[surface.owners], np.int64)
-        self._bits = bits_of(names if body is None else body.carriers)
-        self._mesh: Any = None
-        self._start: Any = None
-        self._end: Any = None
+        bits = bits_of(names if body is None else body.carriers)
+        self._places = SurfacePlaces(surface, 1 << bits[self._owners], self._smooth)
         self._scratch: Any = None  # of `_ask`
 
     def _kernel_of(self, friction: Friction) -> Any:
@@ -142,12 +133,12 @@ class SurfaceCorrection(NodeCorrection):
 
     def _correct_all(self, x, v, old, mass, dt):
         """Correct v of all nodes; 0, or the number + 1 of a node that is not finite."""
-        last, window = self.last, self.window
+        last, window, at = self.last, self.window, self._places
         return self._correct(
             x, v, old, mass, dt, self.fixed, self._sets, self._look, self._sheet, self._near,
-            self._room, self._away, self._step, self._smooth, self._highest, self._mesh,
-            self._start, self._end, self._planes, self._over, self._stack, self._bounds,
-            self._owners, last.impulse, window.impulse, self._acting, self._beds_of(slice(None)),
+            self._room, self._away, self._step, self._smooth, at.highest, at.mesh, at.start, at.end,
+            self._planes, self._over, self._stack, self._bounds, self._owners, last.impulse,
+            window.impulse, self._acting, self._beds_of(slice(None)),
         )  # fmt: skip
 
     def _beds_of(self, nodes):
@@ -155,7 +146,7 @@ class SurfaceCorrection(NodeCorrection):
         return ()
 
     def _ask(self, nodes, x, v, old, mass, dt, step, correct):
-        k, scratch = len(nodes), self._scratch
+        k, scratch, at = len(nodes), self._scratch, self._places
         if scratch is None or len(scratch[0]) < k:
             scratch = self._scratch = (
                 np.zeros(2 * k), np.zeros((2 * k, ROOM)), np.zeros((2, 2 * k, 3)),
@@ -169,83 +160,28 @@ class SurfaceCorrection(NodeCorrection):
         correct(
             x, v, old, mass, dt, self.fixed[nodes], sets, look,
             np.take(self._sheet, nodes, axis=1), self._near[nodes], room[:k], away[:k],
-            step, self._smooth, self._highest, self._mesh, self._start, self._end, self._planes,
-            self._over, self._stack, self._bounds, self._owners, impulse[0, :k], impulse[1, :k],
-            acting, self._beds_of(nodes),
+            step, self._smooth, at.highest, at.mesh, at.start, at.end, self._planes, self._over,
+            self._stack, self._bounds, self._owners, impulse[0, :k], impulse[1, :k], acting,
+            self._beds_of(nodes),
         )  # fmt: skip
         forget_acting(acting)
-
-    def _place(self, t, placed):
-        self.surface.positions(t, placed.vertices)
-        refit(self._mesh, placed)
-
-    def _go_on(self, end):
-        """Place the end of a step, in the boxes of its start as long as that does; its way [m]."""
-        placed, before = self._end, self._start
-        self.surface.positions(end, placed.vertices)
-        way = greatest_move(before.vertices, placed.vertices)
-        placed.known[:] = False
-        placed.grown[0] = before.grown[0] + way
-        if not placed.grown[0] <= GROWN:
-            refit(self._mesh, placed)
-            before.grown[0] = way
-        return way
-
-    def _begin(self, t):
-        """Tree and places at the first time."""
-        surface = self.surface
-        vertices = surface.positions(t, np.zeros((surface.vertex_count, 3)))
-        self._mesh = mesh_of(surface.triangles, vertices, 1 << self._bits[self._owners])
-        self._start = new_placed(self._mesh, surface.vertex_count)
-        self._place(t, self._start)
-        self._end = self._start
-        if surface.moves:
-            boxes = self._start.boxes
-            self._end = new_placed(self._mesh, surface.vertex_count, boxes)
-        if self._smooth:
-            self._highest = RAISED * most_raised(self._mesh, self._start)
-            self._tell_sharp()
-            self._start.known[:] = False
-
-    def _tell_sharp(self):
-        """Warn of triangles over which normals turn too far to be those of a smooth surface."""
-        a, b, c = (self._start.normals[self._mesh.triangles[:, k]] for k in range(3))
-        cosine = np.min([np.sum(p * q, axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
-        sharp = cosine < SHARP
-        if sharp.any():
-            k = int(sharp.argmax())
-            place = ", ".join(f"{x:.4g}" for x in self._start.vertices[self._mesh.triangles[k, 0]])
-            warnings.warn(
-                f"over {sharp.sum()} of {len(sharp)} triangles of the surface of "
-                f"{', '.join(self.surface.names[:3])} the normal turns by more than 60 degrees, "
-                f"first over triangle {k} at ({place}) m: it is met as a smooth surface, so take "
-                "smaller triangles there, or smooth=False if its edges are sharp",
-                stacklevel=2,
-            )
 
     def _move(self, start, end):
         """Surfaces at the two times; the end of one step usually is the start of the next."""
         if start == self._start_time and end == self._end_time:
             return  # the same step once more, with other velocities
-        if self._mesh is None:
-            self._begin(start)
+        places = self._places
+        if places.mesh is None:
+            places.begin(start)
         elif not self.surface.moves:
             return
         elif self._end_time is not None and abs(start - self._end_time) < SAME * (end - start):
-            self._start, self._end = self._end, self._start
+            places.turn_over()
         elif start != self._start_time:
             self._forget()
-            self._place(start, self._start)
+            places.restart(start)
         if self.surface.moves:
-            way = self._go_on(end)
-            self._work["motion"] = way
-            if not way <= max(JUMP[0], JUMP[1] * (end - start)):
-                names = ", ".join(self.surface.names[:3])
-                raise ValueError(
-                    f"the surface of {names} jumps by {way:.3g} m between t = {start:.6g} and "
-                    f"{end:.6g} s; give it a motion that goes there, or place it before the first "
-                    "step"
-                )
+            self._work["motion"] = places.go_on(start, end)
         self._start_time, self._end_time = start, end
 
     @property
@@ -259,7 +195,7 @@ class SurfaceCorrection(NodeCorrection):
     @property
     def placed(self) -> tuple[Any, Any]:
         """`Mesh` and `Placed` of the surface at the start of the last step; to be read only."""
-        return self._mesh, self._start
+        return self._places.mesh, self._places.start
 
     @property
     def nearest(self) -> np.ndarray:
@@ -269,7 +205,7 @@ class SurfaceCorrection(NodeCorrection):
     @property
     def vertices(self) -> np.ndarray:
         """Places (nv, 3) [m] of the vertices at the start of the last step; to be read only."""
-        return self._start.vertices
+        return self._places.start.vertices
 
     def looks(self) -> tuple[np.ndarray, np.ndarray]:
         """What steps so far have found, (n, k); way [m], time [s] and `highest` of the surface.
@@ -279,7 +215,7 @@ class SurfaceCorrection(NodeCorrection):
         time = np.nan if self._end_time is None else self._end_time
         whole = [self._sets[FAR].view(float), self._near.view(float)]
         table = np.column_stack([self._look.T, self._sheet.T, *whole, self._room])
-        return table, np.array([self._work["path"], time, self._highest])
+        return table, np.array([self._work["path"], time, self._places.highest])
 
     def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
         """Continue from `looks()`."""
@@ -290,11 +226,10 @@ class SurfaceCorrection(NodeCorrection):
         self._room[:] = table[:, 2 * LOOK + 2 :]
         self._work["path"], time, highest = body.tolist()
         if not np.isnan(time):
-            if self._mesh is None:
-                self._begin(time)
-            self._highest = highest
-            if self.surface.moves:
-                self._place(time, self._end)
+            if self._places.mesh is None:
+                self._places.begin(time)
+            self._places.highest = highest
+            self._places.resume(time)
             self._start_time, self._end_time = None, time
 
     def state(self) -> dict[str, np.ndarray]:

@@ -24,7 +24,8 @@ from .flesh_correction import OnFlesh
 from .flesh_step import LAG, bed_kernel
 from .friction import Friction
 from .surface_correction import SurfaceCorrection
-from .surface_node import add_carried, book_surface, surface_node_kernel
+from .surface_node import book_surface, surface_node_kernel
+from .surface_planes import add_carried
 from .surface_step import surface_kernel
 
 

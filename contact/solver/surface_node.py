@@ -13,11 +13,8 @@ carries x, and goes straight to x + step. Its step is bounded by planes n . step
 
 A plane may stop what comes towards it and no more, so energy against the surface cannot grow; a
 node that starts inside is moved out at the recovery speed. nearest_step.py finds the step,
-plane_friction.py the friction, as with other bodies.
-
-Where two parts of the skin pass through each other, there is no place for a node between them.
-Their planes together would be a wedge of hard walls, which resists any pull along it. Flesh gives
-way: such a node is squeezed, and only the part that it touched last keeps it on its near side.
+plane_friction.py the friction, as with other bodies; surface_planes.py has the planes, and
+surface_way.py what the step meets on its way.
 """
 
 from collections.abc import Callable
@@ -26,229 +23,16 @@ from typing import Any
 
 import numpy as np
 
-from contact.geometry.triangle_mesh.carried import (
-    add_impulse,
-    drift,
-    numbers_of,
-    turned_with,
-)
-from contact.geometry.triangle_mesh.closest import closest, on_triangle
-from contact.geometry.triangle_mesh.smooth import flat_gap, normal_at, smooth_gap
+from contact.geometry.triangle_mesh.carried import add_impulse, drift, numbers_of
 from contact.kernel import kernel
 
 from .nearest_step import PINCHED
 from .node_contact import begin_path, push_out
 from .plane_friction import friction_kernel
+from .surface_planes import INSIDE, OPPOSED, add_carried, add_plane, hold, squeezed
+from .surface_way import met_on_way
 
-PLANES = 8  # of a node, at most
 ROUNDS = 6  # of planes; what is left inside is moved out in the next steps
-INSIDE = 1e-9  # m: ends less deep than this are no reason for another plane
-CURVED = 1e-2, 1e-6  # nor than this part of the way, up to that many metres
-SHORT = 2e-5  # m: on a shorter way along one sheet the surface stays under the plane of its start
-LONG = 2e-3  # m: a longer way is looked along
-LOOKS = 400  # places looked at on a long way, at most
-OPPOSED = -0.8  # cosine between normals of two parts that close on a node that lies in both
-
-
-@kernel(makes_arrays=False)
-def gap_at(
-    mesh: Any,
-    placed: Any,
-    smooth: bool,
-    asked: int,
-    t: int,
-    square: float,
-    x0: float,
-    x1: float,
-    x2: float,
-) -> tuple[int, float, float, float, float, float, float, bool]:
-    """Distance of x to the surface with the closest triangle t at sqrt(square) [m].
-
-    asked : sets of triangles that count.
-
-    Returns triangle, b1, b2, distance [m], unit normal (3), whether the normal is a smooth one.
-    """
-    if smooth:
-        over, b1, b2, gap, n0, n1, n2 = smooth_gap(mesh, placed, t, square, x0, x1, x2)
-        if over >= 0 and mesh.sets[over] & asked:
-            return over, b1, b2, gap, n0, n1, n2, True
-    b1, b2, gap, n0, n1, n2 = flat_gap(mesh, placed, t, x0, x1, x2)
-    return t, b1, b2, gap, n0, n1, n2, False
-
-
-@kernel(makes_arrays=False)
-def add_plane(
-    x: np.ndarray,
-    t: int,
-    n0: float,
-    n1: float,
-    n2: float,
-    u0: float,
-    u1: float,
-    u2: float,
-    height: float,
-    depth: float,
-    owner: int,
-    work: Any,
-    planes: np.ndarray,
-    over: np.ndarray,
-) -> None:
-    """Add the plane n . (step - drift) >= height over triangle t."""
-    k = work.count
-    plane = planes[k]
-    plane.owner, plane.depth, plane.push = owner, depth, 0.0
-    plane.normal[0], plane.normal[1], plane.normal[2] = n0, n1, n2
-    plane.drift[0], plane.drift[1], plane.drift[2] = u0, u1, u2
-    plane.bound = height + n0 * u0 + n1 * u1 + n2 * u2
-    for c in range(3):
-        plane.friction[c] = 0.0
-    over[k] = t
-    work.count = k + 1
-
-
-@kernel(makes_arrays=False)
-def add_carried(
-    x: np.ndarray,
-    found: tuple,
-    mesh: Any,
-    start: Any,
-    end: Any,
-    owners: np.ndarray,
-    work: Any,
-    planes: np.ndarray,
-    over: np.ndarray,
-) -> float:
-    """Add the plane at a place found at the start, as the surface carries it; its depth [m].
-
-    found : see `gap_at`
-    """
-    t, w1, w2, distance, n0, n1, n2, rounded = found
-    corners, before, after = mesh.triangles, start.vertices, end.vertices
-    b1, b2, h = numbers_of(before, corners, t, x[0], x[1], x[2])
-    u0, u1, u2 = drift(before, after, corners, t, b1, b2, h)
-    if rounded:
-        n0, n1, n2, _ = normal_at(mesh, end, t, w1, w2)
-    else:
-        n0, n1, n2 = turned_with(before, after, corners, t, n0, n1, n2)
-    depth = work.offset - distance
-    height = min(depth, work.recovery)
-    add_plane(x, t, n0, n1, n2, u0, u1, u2, height, depth, owners[t], work, planes, over)
-    return depth
-
-
-@kernel(makes_arrays=False)
-def _length(a0, a1, a2):
-    return np.sqrt(a0 * a0 + a1 * a1 + a2 * a2)
-
-
-@kernel(makes_arrays=False)
-def met_on_way(
-    x: np.ndarray,
-    smooth: bool,
-    local: bool,
-    asked: int,
-    guess: int,
-    highest: float,
-    work: Any,
-    mesh: Any,
-    end: Any,
-    planes: np.ndarray,
-    stack: np.ndarray,
-    bounds: np.ndarray,
-) -> tuple[int, float, float, float, float, float]:
-    """Where the step as it is so far is inside the surface at its end, or passes into it.
-
-    local : whether nothing but the sheet around triangle `guess` is near; highest : see
-    `surface_node_kernel`
-
-    Triangle (-1: nowhere), height [m] of the start over the plane there, its normal, and how deep
-    the place is [m].
-    """
-    u, step = planes[0].drift, work.step
-    s0, s1, s2 = x[0] + u[0], x[1] + u[1], x[2] + u[2]
-    p0, p1, p2 = step[0] - u[0], step[1] - u[1], step[2] - u[2]
-    way = _length(p0, p1, p2)
-    allowed = work.tau + INSIDE + min(CURVED[0] * way, CURVED[1])
-    if local and way <= LONG:
-        if way <= SHORT:
-            return -1, 0.0, 0.0, 0.0, 0.0, 0.0
-        y0, y1, y2 = s0 + p0, s1 + p1, s2 + p2
-        square = on_triangle(end.vertices, mesh.triangles, guess, y0, y1, y2)[0]
-        over, _, _, gap, n0, n1, n2 = smooth_gap(mesh, end, guess, square, y0, y1, y2)
-        gap -= work.offset
-        if over >= 0:
-            if gap >= -allowed:
-                return -1, 0.0, 0.0, 0.0, 0.0, 0.0
-            return over, gap - (n0 * p0 + n1 * p1 + n2 * p2), n0, n1, n2, -gap
-    part, outside, before, t = 1.0, 0.0, 1.0, guess
-    if way > LONG:
-        part, before = 0.0, -1.0
-    for look in range(LOOKS):
-        y0, y1, y2 = s0 + part * p0, s1 + part * p1, s2 + part * p2
-        t, square = closest(mesh, end, y0, y1, y2, asked, t, stack, bounds)
-        work.evaluated += 1
-        over, _, _, gap, n0, n1, n2, _ = gap_at(mesh, end, smooth, asked, t, square, y0, y1, y2)
-        gap -= work.offset
-        if gap < -allowed:
-            if look > 0 and before > INSIDE and part > outside:
-                # back to where the way comes in; a few secants
-                inside, deep, above = part, gap, before
-                for _ in range(8):
-                    middle = outside + (inside - outside) * above / (above - deep)
-                    y0, y1, y2 = s0 + middle * p0, s1 + middle * p1, s2 + middle * p2
-                    t, square = closest(mesh, end, y0, y1, y2, asked, t, stack, bounds)
-                    work.evaluated += 1
-                    over, _, _, gap, n0, n1, n2, _ = gap_at(
-                        mesh, end, smooth, asked, t, square, y0, y1, y2
-                    )
-                    gap -= work.offset
-                    part = middle
-                    if abs(gap) < INSIDE:
-                        break
-                    if gap > 0.0:
-                        outside, above = middle, gap
-                    else:
-                        inside, deep = middle, gap
-            height = gap - part * (n0 * p0 + n1 * p1 + n2 * p2)
-            return over, height, n0, n1, n2, -gap
-        if part >= 1.0:
-            break
-        outside, before = part, gap
-        ahead = max(np.sqrt(square) - work.offset - highest, 0.25 * LONG)
-        part = min(1.0, part + max(ahead / way, 1.0 / LOOKS))
-    return -1, 0.0, 0.0, 0.0, 0.0, 0.0
-
-
-@kernel(makes_arrays=False)
-def _cosine(p, q):
-    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-
-
-@kernel(makes_arrays=False)
-def hold(k: int, work: Any, planes: np.ndarray, over: np.ndarray) -> None:
-    """Leave plane k alone, which lets the node go no deeper and moves it out later."""
-    p, q = planes[0], planes[k]
-    p.owner, p.depth, over[0] = q.owner, q.depth, over[k]
-    p.bound = q.bound - max(0.0, min(q.depth, work.recovery))
-    for c in range(3):
-        p.normal[c], p.drift[c] = q.normal[c], q.drift[c]
-    work.count = 1
-
-
-@kernel(makes_arrays=False)
-def squeezed(last: int, work: Any, planes: np.ndarray, over: np.ndarray) -> bool:
-    """Whether a node lies inside both parts of the first two planes; then one of them is left.
-
-    Both sides of one thin part look alike: parts are told by their owners.
-
-    last : owner touched in the last step, whose plane stays; else the first, which is nearer
-    """
-    p, q = planes[0], planes[1]
-    opposed = p.owner != q.owner and _cosine(p.normal, q.normal) < OPPOSED
-    if not opposed or min(p.depth, q.depth) <= INSIDE:
-        return False
-    hold(1 if q.owner == last and p.owner != last else 0, work, planes, over)
-    return True
 
 
 @kernel(makes_arrays=False)

@@ -34,7 +34,8 @@ from contact.kernel import kernel
 
 from .broad_phase import clearance_left, mark_away
 from .step_record import ALLOWED, FAR, SEGMENT_TOUCHED
-from .surface_node import gap_at, surface_node_kernel
+from .surface_node import surface_node_kernel
+from .surface_planes import gap_at
 
 ROUNDOFF = 1e-12  # m, of a distance
 SHEET = 0.025  # m: how far around a node near the surface it is looked for other sheets, at least
