@@ -24,6 +24,7 @@ from shellform.scene.wearer import wearer_of
 from shellform.simulation.figures import draw
 from shellform.simulation.model import Model
 from shellform.simulation.plan import plan_lines, plan_of
+from shellform.simulation.prediction import accuracy_entry, prediction_lines
 from shellform.simulation.run import run
 from tests.motion.body_mesh.test_scan import write
 
@@ -100,6 +101,8 @@ def test_the_garment_meets_the_skin(scanned, comm):
     model = Model(Scene(**{**vars(scanned), "garment": Garment(cell_size=0.04)}), comm)
     correction = model.contact.correction
     assert isinstance(correction, SurfaceCorrection) and model.wearer is model.whole
+    assert "measured on ellipsoids" in prediction_lines(model)[-1]
+    assert "measured beforehand on ellipsoids" in accuracy_entry(model)["how"]
     torque = model.stepper.add(Torque())
     x = model.skin.positions(0.0, np.empty((model.skin.vertex_count, 3)))
     # drawn tight around the hips: the waist edge starts 3 cm lower, where the body is wider
