@@ -120,7 +120,7 @@ def bulge_of(
     table = [(KNEE, 0.0), *((hinge, angle) for hinge, row in rows.items() for angle in row)]
 
     def pose(t, out):
-        return _bent(body, names, bound, *table[int(t)], out)
+        return bent(body, names, bound, *table[int(t)], out)
 
     def skin(amount):
         return SkinnedSurface(
@@ -143,16 +143,18 @@ def bulge_of(
             of_hinge = lacks[:, first : first + len(row), s]
             first += len(row)
             if part in (hinge.above, hinge.below):
-                wanted = np.array([_amount(lack) for lack in of_hinge.T])
+                wanted = np.array([amount_of(lack) for lack in of_hinge.T])
                 swells.append(_swell(body, number, side, hinge, row, wanted))
     return Bulge(fields, directions, swells)
 
 
-def _amount(lacks):
+def amount_of(lacks: np.ndarray) -> float:
     """beta [m] of least size with no lack, of the polynomial through (len(AMOUNTS),) [m^3]."""
-    roots = np.roots(np.polyfit(AMOUNTS, lacks, len(AMOUNTS) - 1))
+    polynomial = np.polyfit(AMOUNTS, lacks, len(AMOUNTS) - 1)
+    polynomial[np.abs(polynomial * AMOUNTS[-1] ** np.arange(3, -1, -1)) < 1e-9] = 0.0
+    roots = np.roots(polynomial)
     real = roots.real[np.abs(roots.imag) < 1e-9]
-    if len(real) == 0:  # nothing bulges, or too little for what is missing
+    if len(real) == 0:  # nothing bulges there
         return 0.0
     return float(np.clip(real[np.argmin(np.abs(real))], AMOUNTS[0], AMOUNTS[-1]))
 
@@ -174,7 +176,9 @@ def _swell(body, number, side, hinge, angles, wanted):
     )
 
 
-def _bent(body, names, bound, hinge, angle, out):
+def bent(
+    body: BodySurface, names: Sequence[str], bound: Pose, hinge: Hinge, angle: float, out: Pose
+) -> Pose:
     """The standing pose with one joint of both legs bent by an angle [degree]."""
     for part, given in zip(out, bound, strict=True):
         part[:] = given
