@@ -2,27 +2,29 @@
 """What acts on a skin, booked to the segments that carry it: the adjoint of `skinning`.
 
 `add_skin` is the transpose of `skin_rates` to the last digit: an impulse at a vertex acts, where a
-bend presses it, on the plane of that bend too, and is shared out by the derivatives of the blended
-motion (`dual_quaternions`).
+bend presses it, on the plane of that bend too, on how far the skin bulges (`bulge`), and is shared
+out by the derivatives of the blended motion (`dual_quaternions`).
 """
 
 import numpy as np
 
 from contact.kernel import kernel
 
-from .dual_quaternions import blend, gradients, moved, sign, times_conjugate
+from .dual_quaternions import NOWHERE, blend, gradients, moved, sign, times_conjugate
 from .flesh import kept_on_side
 
 
 @kernel(makes_arrays=False, fastmath={"contract"})
 def add_skin(
-    skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
-    bends: np.ndarray, planes: np.ndarray, centres: np.ndarray,
+    skin: np.ndarray, points: np.ndarray, which: np.ndarray, weights: np.ndarray,
+    motions: np.ndarray, bends: np.ndarray, planes: np.ndarray, centres: np.ndarray,
+    fields: np.ndarray, directions: np.ndarray, along_fields: np.ndarray,
     pushed: np.ndarray, at_vertices: np.ndarray, book: np.ndarray,
 ) -> None:  # fmt: skip
     """Book what acts at vertices to segments, see `surface_motion.SurfaceMotion.add_to_segments`.
 
     centres : (m, 3) of the segments [m], about which moments are taken
+    fields (n,), directions (n, 3), along_fields (k,) : of `bulge`, Q is added; none without one
     pushed : vertices that count; at_vertices : (n, 6), impulses and three energies
     book : (m, 9), added to
     """
@@ -33,7 +35,7 @@ def add_skin(
             idle = idle and at_vertices[i, c] == 0.0
         if idle:
             continue
-        p = (0.0, skin[i].point[0], skin[i].point[1], skin[i].point[2])
+        p = (0.0, points[i, 0], points[i, 1], points[i, 2])
         b, d = blend(motions, motions, which[i], weights[i])
         x = moved(b, d, p)
         f0, f1, f2 = at_vertices[i, 0], at_vertices[i, 1], at_vertices[i, 2]
@@ -64,6 +66,9 @@ def add_skin(
                     book[j, 4] += arm[2] * c0 - arm[0] * c2 + way * (u[2] * q0 - u[0] * q2)
                     book[j, 5] += arm[0] * c1 - arm[1] * c0 + way * (u[0] * q1 - u[1] * q0)
                 f0, f1, f2 = f0 + push * n0, f1 + push * n1, f2 + push * n2
+        if len(fields) > 0 and fields[i] >= 0:
+            y = moved(b, NOWHERE, (0.0, directions[i, 0], directions[i, 1], directions[i, 2]))
+            along_fields[fields[i]] += f0 * y[0] + f1 * y[1] + f2 * y[2]
         G_r, G_d = gradients(b, d, p, (0.0, f0, f1, f2), x)
         first = which[i, 0]
         for a in range(which.shape[1]):

@@ -3,8 +3,10 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from contact.body.bulge import Bulge, Swell
 from contact.body.flesh import kept_on_side
 from contact.body.segments import Pose
 from contact.body.skinned_surface import LEAST, Bend, SkinnedSurface
@@ -67,14 +69,31 @@ def between(n):
     return 2 * np.arange(n + 1), columns, np.tile([0.9, 0.1], n)
 
 
-@pytest.fixture(params=[False, True], ids=["", "smoothed"])
+def bulge(points):
+    """Thigh and shank bulge along and across the limb, the thigh by both cosines at once."""
+    fields = np.where(points[:, 2] > 0.05, 0, np.where(points[:, 2] < -0.03, 1, -1))
+    fields[::7] = -1
+    directions = np.random.default_rng(5).normal(size=points.shape)
+    ahead, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    c = np.linspace(-0.9, 0.8, 6)
+    rising = CubicSpline(c, 0.01 * np.sin(3.0 * c)).c[::-1].T
+    swells = [
+        Swell(0, *NAMES, up, -up, (c[0], c[-1]), rising),
+        Swell(0, *NAMES, ahead, up, (-1.0, 1.0), [[0.0, -0.01, 0.005, 0.001]]),
+        Swell(1, *NAMES, up, np.sqrt(0.5) * (ahead - up), (c[0], c[-1]), -2.0 * rising),
+    ]
+    return Bulge(fields, directions, swells)
+
+
+@pytest.fixture(params=["", "smoothed", "bulged"])
 def skin(request):
     points, triangles, weights = leg()
-    bound = rest()
+    bound, way = rest(), request.param
     return SkinnedSurface(
         points, triangles, weights, NAMES, lambda t, out: bending(t, out, bound), bound,
-        [knee(0.004 if request.param else 0.0)],
-        between(len(points)) if request.param else None,
+        [knee(0.004 if way else 0.0)],
+        between(len(points)) if way else None,
+        bulge(points) if way == "bulged" else None,
     )  # fmt: skip
 
 
