@@ -97,8 +97,8 @@ def test_flesh_moves_away_from_the_axis_of_a_limb_and_not_at_joints(parts):
         assert out == pytest.approx(size[own] * np.linalg.norm(across, axis=1))
     for joint in ("hip", "knee", "ankle"):
         for side in SIDES:
-            level = np.abs(body.points[:, 2] - body.landmarks[f"{side}_{joint}"][2]) < 0.01
-            assert size[level].max() < 0.15
+            off = np.abs(body.points[:, 2] - body.landmarks[f"{side}_{joint}"][2])
+            assert size[off < off.min() + 0.005].max() < 0.15
 
 
 def test_what_cannot_be_given_back_is_bounded():
