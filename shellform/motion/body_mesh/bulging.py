@@ -79,9 +79,9 @@ def directions_of(
         out = arm - along[:, None] * line
         out /= np.maximum(np.linalg.norm(out, axis=1), 1e-9)[:, None]
         inward = body.left if side == "right" else -body.left
-        less = SHIN * _rise(out @ np.cross(body.left, -line / np.linalg.norm(line)))
-        if part == "thigh":
-            less = INSIDE * _rise(out @ inward)
+        ahead = np.cross(body.left, -line / np.linalg.norm(line))
+        bare, most = (inward, INSIDE) if part == "thigh" else (ahead, SHIN)
+        less = most * _rise(out @ bare)
         own = _rise(2.0 * weights[:, names.index(f"{side}_{part}")] - 1.0)
         size = own * (1.0 - less)
         size *= _rise((along - rise[0]) / (rise[1] - rise[0]))
@@ -160,7 +160,7 @@ def amount_of(lacks: np.ndarray) -> float:
 
 
 def _swell(body, number, side, hinge, angles, wanted):
-    """The polynomial of one field and joint, of beta (k,) [m] wanted at angles (k,) [degree]."""
+    """The spline of one field and joint near beta (k,) [m] wanted at angles (k,) [degree]."""
     top, bottom = PARTS[hinge.below][:2]
     down = body.landmarks[f"{side}_{bottom}"] - body.landmarks[f"{side}_{top}"]
     down /= np.linalg.norm(down)
