@@ -6,7 +6,7 @@ Where the skin spans between parts that turn apart, as between the legs, it is d
 
 A `surface_motion.SurfaceMotion`: what contact asks of it is where vertices are, and the adjoint.
 Weights, place and pose at binding stay; a pose is looked up once for each time, and those of the
-two times asked for last are kept: a step asks for those of its start and its end in turn.
+two times are kept, as those of the start and the end of a step.
 """
 
 from collections.abc import Callable, Sequence
@@ -174,7 +174,10 @@ class SkinnedSurface:
         """What is known of time t [s]: `_now`."""
         if t == self._now.time[0]:
             return self._now
-        self._now, self._before = self._before, self._now
+        now, before = self._now.time[0], self._before.time[0]
+        # what is farther from t goes: a step asks for its end, and for its start afterwards
+        if t == before or not abs(before - t) < abs(now - t):
+            self._now, self._before = self._before, self._now
         state, bound = self._now, self.bound
         if t == state.time[0]:
             return state

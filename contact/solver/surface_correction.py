@@ -128,7 +128,7 @@ class SurfaceCorrection(NodeCorrection):
                 self._places.warn_of_sharp(x)
             self._book[:] = 0.0
             pushed = self._acting.rows[: self._acting.number[0]]
-            self.surface.add_to_segments(t, self.at_vertices, self._book, pushed)
+            self.surface.add_to_segments(self._places.time, self.at_vertices, self._book, pushed)
             last.table[self._rows] = self._book
             window.table += last.table
         last.seconds = dt
@@ -190,9 +190,8 @@ class SurfaceCorrection(NodeCorrection):
     @property
     def start_pose(self) -> Pose:
         """Centres of the segments at the start of the last step; no axes, velocities and spins."""
-        t = 0.0 if self._start_time is None else self._start_time
         centres, nothing = np.zeros((len(self.last.table), 3)), np.zeros((0, 3))
-        centres[self._rows] = self.surface.centres(t, np.zeros((len(self._rows), 3)))
+        centres[self._rows] = self.surface.centres(self._places.time, np.zeros((len(self._rows), 3)))
         return Pose(centres, np.zeros((0, 3, 3)), nothing, nothing)
 
     @property

@@ -34,6 +34,8 @@ class SurfacePlaces:
     Attributes
     ----------
     mesh : Mesh, None before `begin`; start, end : Placed at the two times
+    time : float, that of the start [s]; to the last bit the end of the step before, where that was
+        placed already
     highest : bound of the smooth surface over the flat one [m]
     """
 
@@ -42,7 +44,7 @@ class SurfacePlaces:
         self.mesh: Any = None
         self.start: Any = None
         self.end: Any = None
-        self.highest = 0.0
+        self.highest, self.time, self._end_time = 0.0, 0.0, 0.0
         self._sharp = np.zeros(0, np.int64)
 
     def begin(self, t: float) -> None:
@@ -64,16 +66,18 @@ class SurfacePlaces:
         """Place the start of a step anew."""
         self._surface.positions(t, self.start.vertices)
         refit(self.mesh, self.start)
+        self.time = t
 
     def resume(self, t: float) -> None:
         """Place the end of a step anew, for the next one to go on from."""
         if self._surface.moves:
             self._surface.positions(t, self.end.vertices)
             refit(self.mesh, self.end)
+            self._end_time = t
 
     def turn_over(self) -> None:
         """Let the end of a step be the start of the next."""
-        self.start, self.end = self.end, self.start
+        self.start, self.end, self.time = self.end, self.start, self._end_time
 
     def go_on(self, start: float, end: float) -> float:
         """Place the end of a step, in the boxes of its start as long as that does; its way [m].
@@ -85,6 +89,7 @@ class SurfacePlaces:
         """
         placed, before = self.end, self.start
         self._surface.positions(end, placed.vertices)
+        self._end_time = end
         way = greatest_move(before.vertices, placed.vertices)
         placed.known[:] = False
         placed.grown[0] = before.grown[0] + way
