@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The push of a bed of flesh on a node, and its friction, Eqs. 15 and 16; see flesh_step.py.
+"""The push of beds of flesh on a node, and their friction, Eqs. 15 and 16; see flesh_step.py.
 
-In a valley between two segments whose skins bend the same way, max(d_1, d_2) is the depth of a node
-in the body. The bed presses with p of that depth; where both are the greatest, along a mean of both
-normals, by as much of each as leaves the node in the valley:
+A node may be in the beds of several segments, in a valley between them or where they press it from
+both sides. Flesh there gives way like one bed of which w d is the greatest, w^2 = k the stiffness:
+the energy k d^2/2 of a node is that of the bed that has most. The step of least energy presses with
+one bed, or with two that have alike,
 
-    s_1 - s_2 = (d_1 - d_2)/(1 - g),   s_1 + s_2 = dt^2 p(d')/rho,
-    d' = (d_1 + d_2)/2 - (1 + g)(s_1 + s_2)/2,
+    w_1 d_1' = w_2 d_2',  s_1 + s_2 w_1/w_2 = dt^2 p_1(d_1')/rho,  d_i' = d_i - s_i - g s_j,
 
-d_1, d_2 being the depths without a push, g = n_1 . n_2. This is the step of least energy: a node
-that only the deeper one pressed would be thrown to and fro across the valley.
+s_i being the pushes, d_i the depths without a push, g = n_1 . n_2. So a node is not thrown to and
+fro across a valley, and two sides that press it alike hold it between them.
 """
 
 from collections.abc import Callable
@@ -76,56 +76,128 @@ def touch_side(side: Any, owner: int, depth: float, same: bool, recovery: float)
     side.recess = max(0.0, side.recess - recovery)
 
 
+@kernel(makes_arrays=False)
+def pressure(bed: Any, side: Any) -> float:
+    """What a bed presses a node with [Pa], in the state of its side."""
+    borne = bed.slip_stiffness * (side.depth - side.slip)
+    return max(0.0, bed.stiffness * side.depth + side.relaxing + borne)
+
+
+@kernel(makes_arrays=False)
+def press_two(
+    p: Any, q: Any, bed: Any, other: Any, side: Any, compliance: float, dt: float
+) -> None:
+    """Fill the pushes of two planes, of beds that have alike; bed and side are of plane p."""
+    g = p.normal[0] * q.normal[0] + p.normal[1] * q.normal[1] + p.normal[2] * q.normal[2]
+    part = np.sqrt(bed.stiffness / other.stiffness)
+    one, two = p.bound - side.recess, q.bound - side.recess
+    both = max(1.0 - 2.0 * g * part + part * part, 1e-15)
+    mean = (one * (1.0 - g * part) + two * (part - g)) / both
+    press(bed, side, mean, compliance * max(0.0, 1.0 - g * g) / both, dt)
+    total = compliance * pressure(bed, side)
+    q.push = (total - one + side.depth) / max(part - g, 1e-15)
+    q.push = min(max(q.push, 0.0), total / part)
+    p.push = total - part * q.push
+
+
+@kernel(makes_arrays=False)
+def deepest_of(count: int, planes: np.ndarray, beds: np.ndarray) -> int:
+    """Plane of whose bed a node would have most energy without a push; the first of none."""
+    first, most = 0, 0.0
+    for k in range(count):
+        energy = beds[planes[k].owner].stiffness * max(0.0, planes[k].bound) ** 2
+        if energy > most:
+            first, most = k, energy
+    return first
+
+
+@kernel(makes_arrays=False)
+def deeper_than_first(count: int, planes: np.ndarray, beds: np.ndarray, recess: float) -> int:
+    """Plane of whose bed a node has most after the push of plane 0, more than of that; else 0."""
+    p, found = planes[0], 0
+    most = np.sqrt(beds[p.owner].stiffness) * (p.bound - recess - p.push)
+    most += 1e-9 * abs(most)
+    for k in range(1, count):
+        n, m = p.normal, planes[k].normal
+        g = n[0] * m[0] + n[1] * m[1] + n[2] * m[2]
+        energy = np.sqrt(beds[planes[k].owner].stiffness)
+        energy *= planes[k].bound - recess - g * p.push
+        if energy > most:
+            found, most = k, energy
+    return found
+
+
+@kernel(makes_arrays=False)
+def exchange(k: int, j: int, planes: np.ndarray, over: np.ndarray) -> None:
+    """Exchange planes k and j, and what they are over, if that is told."""
+    p, q = planes[k], planes[j]
+    p.owner, q.owner = q.owner, p.owner
+    p.depth, q.depth = q.depth, p.depth
+    p.bound, q.bound = q.bound, p.bound
+    for c in range(3):
+        p.normal[c], q.normal[c] = q.normal[c], p.normal[c]
+        p.drift[c], q.drift[c] = q.drift[c], p.drift[c]
+    if len(over):
+        over[k], over[j] = over[j], over[k]
+
+
 @cache
 def bed_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel press_planes(count, mass, work, side, planes, bed, compliance) of a law of friction.
+    """Kernel press_planes(count, mass, work, side, planes, over, beds, compliance) of a law.
 
-    It fills the pushes and the friction of the first one or two planes on a bed, whose bounds are
-    the depths that the free step ends at [m], and `work.change`; whether the node sticks.
-    compliance : see `press`; side : SIDE, after `touch_side`
+    Of `count` planes, whose bounds are the depths that the free step ends at [m], it brings those
+    that press forward, one or two, fills their pushes, their friction and `work.change`, and
+    returns how many they are. over : see `exchange`; beds (m,) BED of the owners; side : SIDE of
+    the node; compliance : see `press`
     """
     transmitted = cone_kernel(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
-    def press_planes(count, mass, work, side, planes, bed, compliance):
+    def press_planes(count, mass, work, side, planes, over, beds, compliance):
         free, step, dt, inertia = work.free, work.step, work.dt, mass / work.dt
-        p, q = planes[0], planes[count - 1]
-        if count == 1:
-            p.push = press(bed, side, p.bound - side.recess, compliance, dt)
-        else:
-            g = p.normal[0] * q.normal[0] + p.normal[1] * q.normal[1] + p.normal[2] * q.normal[2]
-            half, mean = 0.5 * (1.0 + g), 0.5 * (p.bound + q.bound)
-            total = press(bed, side, mean - side.recess, compliance * half, dt) / half
-            apart = (p.bound - q.bound) / (1.0 - g)
-            p.push = max(0.0, 0.5 * (total + apart))
-            q.push = max(0.0, 0.5 * (total - apart))
-        total = greatest = along = 0.0
+        same = False
         for k in range(count):
-            total += planes[k].push
+            same = same or planes[k].owner == side.owner
+        exchange(deepest_of(count, planes, beds), 0, planes, over)
+        p = planes[0]
+        touch_side(side, p.owner, p.depth, same, work.recovery)
+        was = side.depth, side.slip, side.relaxing
+        bed = beds[p.owner]
+        p.push = press(bed, side, p.bound - side.recess, compliance, dt)
+        pressing = 1
+        if count > 1 and p.push > 0.0:
+            other = deeper_than_first(count, planes, beds, side.recess)
+            if other > 0:
+                pressing = 2
+                exchange(other, 1, planes, over)
+                side.depth, side.slip, side.relaxing = was
+                press_two(p, planes[1], bed, beds[planes[1].owner], side, compliance, dt)
         for c in range(3):
-            step[c], work.at[c] = free[c], 0.0
-            for k in range(count):
+            step[c] = free[c]
+            for k in range(pressing):
                 step[c] += planes[k].push * planes[k].normal[c]
-                part = planes[k].push / total if total > 0.0 else 1.0 / count
-                work.at[c] += part * planes[k].drift[c]
+        stick = work.friction[0] > 0.0
+        for k in range(pressing):
+            plane = planes[k]
+            n, u, along, size = plane.normal, plane.drift, 0.0, 0.0
+            for c in range(3):
+                along += (step[c] - u[c]) * n[c]
+            for c in range(3):
+                plane.friction[c] = -(step[c] - u[c] - along * n[c])
+                size += plane.friction[c] * plane.friction[c]
+            size = np.sqrt(size)
+            fraction = 0.0
+            if plane.push > 0.0:
+                fraction = transmitted(
+                    inertia * plane.push, inertia * size, size / dt, work.friction
+                )
+                stick = stick and fraction == 1.0
+            for c in range(3):
+                plane.friction[c] *= fraction
+                step[c] += plane.friction[c]
         for c in range(3):
-            greatest += (step[c] - free[c]) ** 2
-            along += (step[c] - free[c]) * (step[c] - work.at[c])
-        greatest = np.sqrt(greatest)
-        along = along / greatest**2 if greatest > 0.0 else 0.0
-        size = 0.0
-        for c in range(3):
-            slip = step[c] - work.at[c] - along * (step[c] - free[c])
-            work.impulse[c] = -slip
-            size += slip * slip
-        size = np.sqrt(size)
-        fraction = transmitted(inertia * greatest, inertia * size, size / dt, work.friction)
-        for c in range(3):
-            rub = fraction * work.impulse[c]
-            for k in range(count):
-                part = planes[k].push / total if total > 0.0 else 1.0 / count
-                planes[k].friction[c] = part * rub
-            work.change[c] = (step[c] - free[c] + rub) / dt
-        return fraction == 1.0 and work.friction[0] > 0.0
+            work.change[c] = (step[c] - free[c]) / dt
+        work.stick = stick
+        return pressing
 
     return press_planes

@@ -12,11 +12,9 @@ As p is that of the end, k (d' - d)^2/2 more is lost a step than by the bed. Fri
 of that push, as on a hard body.
 
 Skin that meets a node which is inside already, as in dressing, comes out with it at the recovery
-speed, so that it is not thrown. Of several segments on one side of a node that one presses in which
-it lies deepest at the end, or two in which it then lies alike (bed_push.py). In a crease, between
-sides more than a right angle apart, a node is met as by node_contact.py, by segments smaller by the
-depth that it has come to, which follows the pressure in a time of LAG: no flesh gives way into
-other flesh there, and cloth is not drawn in.
+speed, so that it is not thrown. Of several segments those press of whose beds the node has most
+(bed_push.py). Where two press it from opposite sides, what they press alike is flesh on flesh and
+not booked (soft_contact.py); they are beds that hold it flat.
 """
 
 from collections.abc import Callable
@@ -28,21 +26,20 @@ import numpy as np
 from contact.geometry.shape import foot_and_normal, least_distance
 from contact.kernel import kernel
 
-from .bed_push import bed_kernel, touch_side
+from .bed_push import bed_kernel
 from .broad_phase import mark_away, may_meet
 from .correction_step import begin_step, end_step, forget
-from .node_contact import book_planes, node_kernel
+from .node_contact import book_planes
 from .segment_motion import drift_of, turned_by
-from .step_record import ALLOWED, FAR, PENETRATED, SEGMENT_TOUCHED
+from .soft_contact import opposed
+from .step_record import ALLOWED, FAR, SEGMENT_TOUCHED
 from .supporting_planes import set_plane
-
-LAG = 5e-3  # s
 
 
 @kernel(makes_arrays=False)
 def _candidates(x, i, sets, work, segments, planes):
-    """Planes of all segments that the free step of node i ends below; their number."""
-    count, free = 0, work.free
+    """Planes of all segments that a step of node i may end below; their number, or 0."""
+    count, free, below = 0, work.free, False
     allowed = sets[ALLOWED, i] & ~sets[FAR, i]
     for b in range(len(segments)):
         segment = segments[b]
@@ -68,108 +65,42 @@ def _candidates(x, i, sets, work, segments, planes):
         plane.bound = depth
         for c in range(3):
             plane.bound += plane.normal[c] * (plane.drift[c] - free[c])
-        if plane.bound > 0.0:
-            count += 1
-    return count
-
-
-@kernel(makes_arrays=False)
-def _deepest(count, planes):
-    """Number of the deepest plane; -1 where two are more than a right angle apart: a crease."""
-    first = 0
-    for k in range(count):
-        if planes[k].bound > planes[first].bound:
-            first = k
-        for j in range(k):
-            n, m = planes[k].normal, planes[j].normal
-            if n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < 0.0:
-                return -1
-    return first
-
-
-@kernel(makes_arrays=False)
-def _bring_forward(k, j, planes):
-    """Exchange planes k and j."""
-    p, q = planes[k], planes[j]
-    p.owner, q.owner = q.owner, p.owner
-    p.depth, q.depth = q.depth, p.depth
-    p.bound, q.bound = q.bound, p.bound
-    for c in range(3):
-        p.normal[c], q.normal[c] = q.normal[c], p.normal[c]
-        p.drift[c], q.drift[c] = q.drift[c], p.drift[c]
-
-
-@kernel(makes_arrays=False)
-def _deeper(count, planes):
-    """Plane in which the push of plane 0 leaves a node deepest, and deeper than in 0; else 0."""
-    p, found, most = planes[0], 0, 1e-12
-    for k in range(1, count):
-        n, m = p.normal, planes[k].normal
-        g = n[0] * m[0] + n[1] * m[1] + n[2] * m[2]
-        deeper = planes[k].bound - p.bound + (1.0 - g) * p.push
-        if deeper > most:
-            found, most = k, deeper
-    return found
+        below = below or plane.bound > 0.0
+        count += 1
+    return count if below else 0
 
 
 @cache
 def flesh_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel correct(x, v, old, mass, dt, ..., *books) of a law of friction, on flesh.
 
-    Arguments as of `correction_kernel` (correction_step.py) and flesh (m,) BED, sides (n,) SIDE and
-    the areal mass [kg/m^2].
+    Arguments as of `correction_kernel` (correction_step.py), without node and guards, and over (0,)
+    int, flesh (m,) BED, sides (n,) SIDE and the areal mass [kg/m^2].
     """
     press_planes = bed_kernel(kinetic_coefficient)
-    correct_node = node_kernel(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
-    def on_bed(x, v, mass, work, side, count, segments, planes, flesh, compliance, book):
-        """Correct a node on the bed of plane 0, the deepest of count; its segment, or -1."""
-        same = False
-        for k in range(count):
-            same = same or planes[k].owner == side.owner
-        owner = planes[0].owner
-        touch_side(side, owner, planes[0].depth, same, work.recovery)
-        was = side.depth, side.slip, side.relaxing
-        bed = flesh[owner]
-        work.count, work.soft = 1, 0
-        stick = press_planes(1, mass, work, side, planes, bed, compliance)
-        if count > 1 and planes[0].push > 0.0:
-            other = _deeper(count, planes)
-            if other > 0:
-                _bring_forward(other, 1, planes)
-                side.depth, side.slip, side.relaxing = was
-                work.count = 2
-                stick = press_planes(2, mass, work, side, planes, bed, compliance)
+    def on_bed(x, v, mass, work, side, count, segments, planes, over, flesh, compliance, book):
+        """Correct a node on the beds of `count` planes; the segment that presses most, or -1."""
+        pressing = press_planes(count, mass, work, side, planes, over, flesh, compliance)
+        work.count, work.soft = pressing, 0
+        if pressing == 2 and opposed(planes, 2, segments, False) != 0:
+            work.count, work.soft = 0, 2
+            work.beds = flesh[planes[0].owner].stiffness + flesh[planes[1].owner].stiffness
+            work.pinched += 1
+            work.pinch_depth = max(work.pinch_depth, side.depth)
         segment = book_planes(x, v, mass, work, segments, planes, book)
         if segment >= 0:
             work.active += 1
-            work.sticking += stick
-        return segment
-
-    @kernel(makes_arrays=False)
-    def in_crease(x, v, mass, work, node, side, segments, planes, flesh, compliance, book):
-        """Correct a node between several segments; the one that pushes most, or -1."""
-        offset, depth = work.offset, side.depth if side.owner >= 0 else 0.0
-        work.offset = offset - depth
-        segment, _, _ = correct_node(x, v, mass, node, work, segments, planes, book)
-        work.offset = offset
-        if segment < 0:
-            return -1
-        pressure = 0.0
-        for k in range(work.count + work.soft):
-            pressure += planes[k].push / compliance
-        wanted = pressure / flesh[segment].stiffness
-        side.owner, side.slip, side.relaxing, side.recess = segment, 0.0, 0.0, 0.0
-        side.depth = depth + (wanted - depth) * min(1.0, work.dt / LAG)
+            work.sticking += work.stick
         return segment
 
     @kernel(makes_arrays=False)
     def correct(
-        x, v, old, mass, dt, fixed, sets, look, away, node, step, segments, planes, flesh, sides,
-        areal, beds, impulse, book, window, window_book,
+        x, v, old, mass, dt, fixed, sets, look, away, step, segments, planes, over, flesh,
+        sides, areal, beds, impulse, book, window, window_book,
     ):  # fmt: skip
-        work, one, compliance = step[0], node[0], dt * dt / areal
+        work, compliance = step[0], dt * dt / areal
         begin_step(dt, work, segments)
         book[:] = 0.0
         impulse[:] = 0.0
@@ -188,26 +119,13 @@ def flesh_kernel(kinetic_coefficient: Callable) -> Any:
                         work.free[c], work.kick[c] = dt * v[i, c], v[i, c] - old[i, c]
                     work.beds = 0.0
                     count = _candidates(x, i, sets, work, segments, planes)
-                    first = _deepest(count, planes)
-                    one.penetrated = sets[PENETRATED, i]
-                    if first < 0 or one.penetrated != 0:
-                        one.allowed, one.far = sets[ALLOWED, i], sets[FAR, i]
-                        one.segment = sets[SEGMENT_TOUCHED, i]
-                        segment = in_crease(
-                            x[i], v[i], mass[i], work, one, side, segments, planes, flesh,
+                    if count > 0:
+                        segment = on_bed(
+                            x[i], v[i], mass[i], work, side, count, segments, planes, over, flesh,
                             compliance, book,
                         )  # fmt: skip
                         if len(beds):
                             beds[i] = work.beds
-                    elif count > 0:
-                        _bring_forward(first, 0, planes)
-                        segment = on_bed(
-                            x[i], v[i], mass[i], work, side, count, segments, planes, flesh,
-                            compliance, book,
-                        )  # fmt: skip
-                    sets[PENETRATED, i] = one.penetrated
-                else:
-                    sets[PENETRATED, i] = 0
             sets[SEGMENT_TOUCHED, i] = segment
             if segment < 0:
                 side.owner = -1
