@@ -188,7 +188,9 @@ class SurfaceCorrection(NodeCorrection):
     def start_pose(self) -> Pose:
         """Centres of the segments at the start of the last step; no axes, velocities and spins."""
         centres, nothing = np.zeros((len(self.last.table), 3)), np.zeros((0, 3))
-        centres[self._rows] = self.surface.centres(self._places.time, np.zeros((len(self._rows), 3)))
+        centres[self._rows] = self.surface.centres(
+            self._places.time, np.zeros((len(self._rows), 3))
+        )
         return Pose(centres, np.zeros((0, 3, 3)), nothing, nothing)
 
     @property
