@@ -166,7 +166,7 @@ class Bulging:
         given = NO_BULGE if bulge is None else bulge
         self.fields = np.array(given.fields, np.int64)
         self.directions = np.array(given.directions, float, order="C")
-        self._count = 1 + max((swell.field for swell in given.swells), default=-1)
+        self._count = 1 + int(np.max(self.fields, initial=-1))
         self._swells = np.zeros(len(given.swells), SWELLS)
         longest = max((len(swell.amounts) for swell in given.swells), default=0)
         self._table = np.zeros((len(given.swells), longest, 4))

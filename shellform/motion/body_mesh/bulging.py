@@ -79,9 +79,9 @@ def directions_of(
         out = arm - along[:, None] * line
         out /= np.maximum(np.linalg.norm(out, axis=1), 1e-9)[:, None]
         inward = body.left if side == "right" else -body.left
-        less = SHIN * _rise(out @ np.cross(body.left, -line / np.linalg.norm(line)))
-        if part == "thigh":
-            less = INSIDE * _rise(out @ inward)
+        ahead = np.cross(body.left, -line / np.linalg.norm(line))
+        bare, most = (inward, INSIDE) if part == "thigh" else (ahead, SHIN)
+        less = most * _rise(out @ bare)
         own = _rise(2.0 * weights[:, names.index(f"{side}_{part}")] - 1.0)
         size = own * (1.0 - less)
         size *= _rise((along - rise[0]) / (rise[1] - rise[0]))
@@ -120,7 +120,7 @@ def bulge_of(
     table = [(KNEE, 0.0), *((hinge, angle) for hinge, row in rows.items() for angle in row)]
 
     def pose(t, out):
-        return _bent(body, names, bound, *table[int(t)], out)
+        return bent(body, names, bound, *table[int(t)], out)
 
     def skin(amount):
         return SkinnedSurface(
@@ -143,22 +143,24 @@ def bulge_of(
             of_hinge = lacks[:, first : first + len(row), s]
             first += len(row)
             if part in (hinge.above, hinge.below):
-                wanted = np.array([_amount(lack) for lack in of_hinge.T])
+                wanted = np.array([amount_of(lack) for lack in of_hinge.T])
                 swells.append(_swell(body, number, side, hinge, row, wanted))
     return Bulge(fields, directions, swells)
 
 
-def _amount(lacks):
+def amount_of(lacks: np.ndarray) -> float:
     """beta [m] of least size with no lack, of the polynomial through (len(AMOUNTS),) [m^3]."""
-    roots = np.roots(np.polyfit(AMOUNTS, lacks, len(AMOUNTS) - 1))
+    polynomial = np.polyfit(AMOUNTS, lacks, len(AMOUNTS) - 1)
+    polynomial[np.abs(polynomial * AMOUNTS[-1] ** np.arange(3, -1, -1)) < 1e-9] = 0.0
+    roots = np.roots(polynomial)
     real = roots.real[np.abs(roots.imag) < 1e-9]
-    if len(real) == 0:  # nothing bulges, or too little for what is missing
+    if len(real) == 0:  # nothing bulges there
         return 0.0
     return float(np.clip(real[np.argmin(np.abs(real))], AMOUNTS[0], AMOUNTS[-1]))
 
 
 def _swell(body, number, side, hinge, angles, wanted):
-    """The polynomial of one field and joint, of beta (k,) [m] wanted at angles (k,) [degree]."""
+    """The spline of one field and joint near beta (k,) [m] wanted at angles (k,) [degree]."""
     top, bottom = PARTS[hinge.below][:2]
     down = body.landmarks[f"{side}_{bottom}"] - body.landmarks[f"{side}_{top}"]
     down /= np.linalg.norm(down)
@@ -174,7 +176,9 @@ def _swell(body, number, side, hinge, angles, wanted):
     )
 
 
-def _bent(body, names, bound, hinge, angle, out):
+def bent(
+    body: BodySurface, names: Sequence[str], bound: Pose, hinge: Hinge, angle: float, out: Pose
+) -> Pose:
     """The standing pose with one joint of both legs bent by an angle [degree]."""
     for part, given in zip(out, bound, strict=True):
         part[:] = given

@@ -101,9 +101,10 @@ def places(skin, t):
     return skin.positions(t, np.empty((skin.vertex_count, 3))).copy()
 
 
-def slow(t, press=True):
-    """Positions by whole quaternions of scipy, one vertex after the other."""
-    points, _, weights = leg()
+def slow(t, press=True, points=None):
+    """Positions by whole quaternions of scipy, one vertex after the other; points: as bulged."""
+    bound_at, _, weights = leg()
+    points = bound_at if points is None else points
     weights = np.where(weights < LEAST, 0.0, weights)
     weights /= weights.sum(axis=1, keepdims=True)
     bound = rest()
@@ -120,11 +121,11 @@ def slow(t, press=True):
     normal = (halves[0] - halves[1]) / np.linalg.norm(halves[0] - halves[1])
     at = np.mean([pose.centres[j] - turns[j].apply(bound.centres[j]) for j in range(2)], axis=0)
     out = []
-    for p, w in zip(points, weights, strict=True):
+    for p, at_first, w in zip(points, bound_at, weights, strict=True):
         r, e = w @ q, w @ np.array(d)
         x = Rotation.from_quat(r).apply(p)
         x += 2 * hamilton(e, r * [-1, -1, -1, 1])[:3] / (r @ r)
-        side, margin = np.sign(p[2]), min(0.5 * abs(p[2]), 0.015)
+        side, margin = np.sign(at_first[2]), min(0.5 * abs(at_first[2]), 0.015)
         s = side * normal @ (x - at)
         if press and s < margin:
             x += side * (margin**2 / (2 * margin - s) - s) * normal
