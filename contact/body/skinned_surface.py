@@ -112,7 +112,7 @@ class SkinnedSurface:
         table /= table.sum(axis=1, keepdims=True)
         width = int((table > 0).sum(axis=1).max())
         order = np.argsort(-table, axis=1, kind="stable")[:, :width]
-        self.which = np.ascontiguousarray(order, np.int64)
+        self.which = np.ascontiguousarray(order, np.uint32)
         self.weights = np.ascontiguousarray(np.take_along_axis(table, order, axis=1))
         self.owners = np.argmax(table[self.triangles].sum(axis=1), axis=1)
         self.bound = Pose(*(np.array(part) for part in bound))
@@ -123,10 +123,11 @@ class SkinnedSurface:
         for k, bend in enumerate(bends):
             self._add_bend(k, bend, points, table, nearest)
         self._smoothing = None if smoothing is None else Smoothing(*smoothing)
+        self._shares = table if self._smoothing is None else self._smoothing.drawn(table)
         self._bulging = Bulging(bulge, self.names, self.bound.axes, points)
         self._pose_of, self._every = pose, np.arange(n)
         self._now, self._before = (self._new_state(m, len(bends)) for _ in range(2))
-        self._rates = np.zeros((m, 8))
+        self._rates, self._sums = np.zeros((m, 8)), np.zeros((m, 8))
         self._of_planes = np.zeros((max(len(bends), 1), 2, 3))
 
     def _new_state(self, m, bends):
@@ -235,14 +236,15 @@ class SkinnedSurface:
         pushed: np.ndarray | None = None,
     ) -> None:
         """See `surface_motion.SurfaceMotion`."""
-        now, reached = self._set(t), self._every if pushed is None else pushed
+        now, own = self._set(t), self._every if pushed is None else pushed
+        reached, impulses = own, at_vertices
         if self._smoothing is not None:
-            reached, at_vertices = self._smoothing.spread(reached, at_vertices)
+            reached, impulses = self._smoothing.spread(own, at_vertices)
         bulging = self._bulging
         add_skin(
             self.skin, now.bulge.points, self.which, self.weights, now.motions, self.bends,
             now.planes, now.pose.centres, bulging.fields, bulging.directions, bulging.along,
-            reached, at_vertices, book,
+            self._shares, own, at_vertices, reached, impulses, self._sums, book,
         )  # fmt: skip
         bulging.add_to(book, now.bulge)
         if self._smoothing is not None:
