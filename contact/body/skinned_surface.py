@@ -247,5 +247,3 @@ class SkinnedSurface:
             self._shares, own, at_vertices, reached, impulses, self._sums, book,
         )  # fmt: skip
         bulging.add_to(book, now.bulge)
-        if self._smoothing is not None:
-            self._smoothing.forget(reached)

@@ -49,15 +49,19 @@ def draw_smooth(
 def spread_smooth(
     row_of: np.ndarray, starts: np.ndarray, columns: np.ndarray, parts: np.ndarray,
     scales: np.ndarray, pushed: np.ndarray, at_vertices: np.ndarray, out: np.ndarray,
-    listed: np.ndarray, taken: np.ndarray,
+    listed: np.ndarray, taken: np.ndarray, before: int,
 ) -> int:  # fmt: skip
-    """Add M^T f to out (n, 3), f the first three of at_vertices; how many vertices that reaches.
+    """Let out (n, 3) be M^T f, f the first three of at_vertices; how many vertices that reaches.
 
     row_of : (n,) int, number of a vertex among those drawn smooth, or -1
     starts, columns, parts, scales : see `draw_smooth`
     pushed : vertices at which something acts; listed (n,) : filled with those reached; taken
-        (n,) bool : whether a vertex is among them, False before
+        (n,) bool : whether a vertex is among them; before : how many were the last time
     """
+    for m in range(before):
+        i = listed[m]
+        out[i, 0] = out[i, 1] = out[i, 2] = 0.0
+        taken[i] = False
     count = 0
     for m in range(len(pushed)):
         i = pushed[m]
@@ -78,15 +82,6 @@ def spread_smooth(
                 taken[j], listed[count] = True, j
                 count += 1
     return count
-
-
-@kernel(makes_arrays=False, fastmath={"contract"})
-def clear_rows(rows: np.ndarray, table: np.ndarray, taken: np.ndarray) -> None:
-    """Set rows of a table (n, 3) to zero, and of taken (n,) to False."""
-    for m in range(len(rows)):
-        taken[rows[m]] = False
-        for c in range(3):
-            table[rows[m], c] = 0.0
 
 
 class Smoothing:
@@ -117,7 +112,7 @@ class Smoothing:
         # numbers without a sign: those of others could count from the end, which has to be asked
         self._matrix = np.append(0, ends).astype(np.uint64), places, short, scales
         self._means, self._spread = np.zeros((len(rows), 3)), np.zeros((n, 3))
-        self._listed, self._taken = np.zeros(n, np.int64), np.zeros(n, bool)
+        self._listed, self._taken, self._count = np.zeros(n, np.int64), np.zeros(n, bool), 0
 
     def draw(self, at: np.ndarray) -> None:
         """Draw places or velocities at (n, 3) smooth."""
@@ -135,14 +130,10 @@ class Smoothing:
 
         at_vertices : (n, >= 3), impulses first
 
-        Returns the vertices that it reaches and the impulses (n, 3); valid until `forget`.
+        Returns the vertices that it reaches and the impulses (n, 3); valid until the next time.
         """
-        count = spread_smooth(
+        self._count = spread_smooth(
             self._row_of, *self._matrix, pushed, at_vertices, self._spread, self._listed,
-            self._taken,
+            self._taken, self._count,
         )  # fmt: skip
-        return self._listed[:count], self._spread
-
-    def forget(self, reached: np.ndarray) -> None:
-        """Nothing acts any more at the vertices that `spread` has reached."""
-        clear_rows(reached, self._spread, self._taken)
+        return self._listed[: self._count], self._spread

@@ -30,7 +30,7 @@ from .placed import know_normal
 WALKS = 12  # triangles looked at
 OUTSIDE = 1e-10  # of a weight, below zero
 MOST = 3.0  # flat distances that the place found may be away
-NEWTON = 1e-10  # m
+NEWTON = 1e-8  # m
 TOUCHING = 1e-7  # m: below it the direction to the closest point has no digits left
 
 
