@@ -40,7 +40,7 @@ def unit_sphere(parts: int) -> tuple[np.ndarray, np.ndarray]:
 
 def skin_scale(maps: list[Map | VertexPressure]) -> list[float]:
     """Ends of the colours, of the logarithm of pressures in Pa, the same for all runs and kinds."""
-    values = np.concatenate([getattr(map, kind) for map in maps for kind in KINDS])
+    values = np.concatenate([np.empty(0), *(getattr(map, kind) for map in maps for kind in KINDS)])
     touched = values[values > 0]
     top = float(np.log10(np.quantile(touched, SHARE))) if len(touched) else 0.0
     return [top - DECADES, top]

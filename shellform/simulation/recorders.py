@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from shellform.contact_coupling.contact import require_contact
-from shellform.dressing.procedure import SHOULDER_STAGES, STAGES
+from shellform.dressing.procedure import SHOULDER_STAGES, SKIN_STAGES, STAGES
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.part import Part
 from shellform.motion.gait.strides import counted
@@ -172,7 +172,7 @@ def dressing_watcher(model: Model, out: Path, watch: Callable | None) -> Callabl
         if watch:
             watch(stage, model)
         halfway = stage != "pull" or abs(stepper.owned[:, 2]).max(initial=0.0) < 0.5
-        known = stage in STAGES or stage in SHOULDER_STAGES
+        known = any(stage in stages for stages in (STAGES, SHOULDER_STAGES, SKIN_STAGES))
         if known and stage not in seen and model.comm.allreduce(int(not halfway)) == 0:
             seen.add(stage)
             series.write(model.shell, stepper.time)

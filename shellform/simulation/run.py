@@ -18,7 +18,7 @@ from mpi4py import MPI
 import numpy as np
 
 from shellform.console import progress
-from shellform.dressing.fit import stretch_warning
+from shellform.dressing.fit import layers_warning, stretch_warning
 from shellform.dressing.saved_state import save
 from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
@@ -115,8 +115,9 @@ def run(
     if comm.rank == 0 and not fit["settled"]:
         print(f"not settled after dressing: the cloth moves with {fit['speed']:.3g} m/s")
     stretched = stretch_warning(fit["stretch"], scene.garment.max_elongation, model.surface.source)
-    if stretched and comm.rank == 0:
-        print(stretched, flush=True)
+    crossed = layers_warning(fit.get("intersections", 0), model.surface.source)
+    for line in filter(None, (stretched, crossed) if comm.rank == 0 else ()):
+        print(line, flush=True)
     model.contact.reset()
     write_frame(model, series, np.zeros(3))
     recorders = Recorders(model, out)

@@ -103,8 +103,9 @@ def test_the_scale_of_skin_without_touch():
     nothing = np.zeros(4)
     empty = Map(("a",), np.ones((1, 3)), 0.1, np.zeros(4, int), np.zeros((4, 3)), np.ones(4),
                 nothing, nothing, nothing, nothing, nothing, 1.0)  # fmt: skip
-    low, high = skin_scale([empty])
-    assert low < high == 0.0
+    for maps in ([empty], []):
+        low, high = skin_scale(maps)
+        assert low < high == 0.0
 
 
 def test_the_skin_of_a_body_of_triangles(made_up):

@@ -16,7 +16,7 @@ from shellform.report.page import page
 from shellform.report.walk_frames import read_walk, scales, walk_data
 from shellform.results.joint_torque import Torque
 from shellform.results.pressure_map import load
-from shellform.scene.parts import Contact, Garment, Motion, Output, Person, Steps
+from shellform.scene.parts import Garment, Motion, Output, Person, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import read_scene, write_scene
 from shellform.scene.skin import skin_of_scene
@@ -74,9 +74,6 @@ def test_what_is_missing_is_told_before_anything_is_computed(tmp_path, monkeypat
         Model(Scene(motion=MOTION, person=Person(body="mesh")), comm)
     with pytest.raises(FileNotFoundError, match="there is no such file"):
         Model(Scene(motion=MOTION, person=Person(body="none.toml")), comm)
-    both = Scene(motion=MOTION, person=Person(body="mesh"), contact=Contact(self_contact=True))
-    with pytest.raises(ValueError, match="without it and then lie through themselves; take body"):
-        Model(both, comm)
     with pytest.raises(ValueError, match="no girth is called 'knee'"):
         Model(Scene(motion=MOTION, person=Person(girths={"knee": 0.4})), comm)
 
