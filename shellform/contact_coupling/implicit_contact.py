@@ -33,6 +33,7 @@ from contact.solver import active_set, held_nodes
 from contact.solver.contact_ledger import Ledger
 from contact.solver.friction import Friction, as_friction
 from contact.solver.held_nodes import FIXED, OPEN, SolvedStep
+from contact.solver.node_constraints import constrain
 from contact.solver.segment_obstacle import SegmentObstacle
 from contact.solver.slip_friction import slip_friction
 from contact.solver.step_record import step_record
@@ -182,7 +183,7 @@ class ImplicitContact(RunningContact):
         return total, most
 
     def _constrain(self, stepper):
-        held_nodes.constrain(
+        constrain(
             self._points, stepper.owned, self._set, self._own_axes, self._guided, self._axes,
             self._held, self._goal,
         )  # fmt: skip
