@@ -22,6 +22,7 @@ import numpy as np
 from contact.kernel import kernel
 
 Quaternion = tuple[float, float, float, float]  # real part first
+NOWHERE = (0.0, 0.0, 0.0, 0.0)  # b_d of a rotation about the origin
 
 
 @kernel(makes_arrays=False, fastmath={"contract"})

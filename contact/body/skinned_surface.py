@@ -6,7 +6,7 @@ Where the skin spans between parts that turn apart, as between the legs, it is d
 
 A `surface_motion.SurfaceMotion`: what contact asks of it is where vertices are, and the adjoint.
 Weights, place and pose at binding stay; a pose is looked up once for each time, and those of the
-two times asked for last are kept: a step asks for those of its start and its end in turn.
+two times are kept, as those of the start and the end of a step.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .bend_planes import BENDS, plane_rates, set_planes
+from .bulge import Bulge, BulgeState, Bulging
 from .dual_quaternions import set_rate
 from .segments import Pose
 from .skin_adjoint import add_skin
@@ -52,13 +53,17 @@ class Bend(NamedTuple):
 
 
 class _State(NamedTuple):
-    """The segments at a time (1,) [s]: pose, motions, matrices and planes as of `skinning`."""
+    """The segments at a time (1,) [s]: pose, motions, matrices and planes as of `skinning`.
+
+    bulge : of the skin
+    """
 
     time: np.ndarray
     pose: Pose
     motions: np.ndarray
     matrices: np.ndarray
     planes: np.ndarray
+    bulge: BulgeState
 
 
 class SkinnedSurface:
@@ -74,6 +79,7 @@ class SkinnedSurface:
     bound : Pose of the segments at binding
     bends : joints where flesh meets flesh
     smoothing : rows of the matrix (n, n) as starts (n + 1,), columns and parts, or None
+    bulge : how it bulges as joints bend, or None
 
     Raises
     ------
@@ -92,8 +98,9 @@ class SkinnedSurface:
         bound: Pose,
         bends: Sequence[Bend] = (),
         smoothing: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None,
+        bulge: Bulge | None = None,
     ):
-        points, table = np.array(vertices, float), np.array(weights, float)
+        points, table = np.array(vertices, float, order="C"), np.array(weights, float)
         self.triangles, self.names = np.array(triangles, np.int64), tuple(names)
         n, m = len(points), len(self.names)
         if table.shape != (n, m) or not np.allclose(table.sum(axis=1), 1.0, atol=1e-6):
@@ -105,27 +112,29 @@ class SkinnedSurface:
         table /= table.sum(axis=1, keepdims=True)
         width = int((table > 0).sum(axis=1).max())
         order = np.argsort(-table, axis=1, kind="stable")[:, :width]
-        self.which = np.ascontiguousarray(order, np.int64)
+        self.which = np.ascontiguousarray(order, np.uint32)
         self.weights = np.ascontiguousarray(np.take_along_axis(table, order, axis=1))
         self.owners = np.argmax(table[self.triangles].sum(axis=1), axis=1)
         self.bound = Pose(*(np.array(part) for part in bound))
-        self.skin = np.zeros(n, SKIN)
-        self.skin["point"], self.skin["bend"] = points, -1
+        self.points, self.skin = points, np.zeros(n, SKIN)
+        self.skin["bend"] = -1
         self.bends = np.zeros(len(bends), BENDS)
         nearest = np.full(n, np.inf)
         for k, bend in enumerate(bends):
             self._add_bend(k, bend, points, table, nearest)
         self._smoothing = None if smoothing is None else Smoothing(*smoothing)
+        self._shares = table if self._smoothing is None else self._smoothing.drawn(table)
+        self._bulging = Bulging(bulge, self.names, self.bound.axes, points)
         self._pose_of, self._every = pose, np.arange(n)
         self._now, self._before = (self._new_state(m, len(bends)) for _ in range(2))
-        self._rates = np.zeros((m, 8))
+        self._rates, self._sums = np.zeros((m, 8)), np.zeros((m, 8))
         self._of_planes = np.zeros((max(len(bends), 1), 2, 3))
 
     def _new_state(self, m, bends):
         pose = Pose(*(np.zeros_like(part) for part in self.bound))
         return _State(
             np.full(1, np.nan), pose, np.zeros((m, 8)), np.zeros((m, 3, 4)),
-            np.zeros((max(bends, 1), 7, 3)),
+            np.zeros((max(bends, 1), 7, 3)), self._bulging.new_state(),
         )  # fmt: skip
 
     def _add_bend(self, k, bend, points, table, nearest):
@@ -166,7 +175,10 @@ class SkinnedSurface:
         """What is known of time t [s]: `_now`."""
         if t == self._now.time[0]:
             return self._now
-        self._now, self._before = self._before, self._now
+        now, before = self._now.time[0], self._before.time[0]
+        # what is farther from t goes: a step asks for its end, and for its start afterwards
+        if t == before or not abs(before - t) < abs(now - t):
+            self._now, self._before = self._before, self._now
         state, bound = self._now, self.bound
         if t == state.time[0]:
             return state
@@ -176,6 +188,7 @@ class SkinnedSurface:
             pose.centres, pose.axes, bound.centres, bound.axes, state.motions, state.matrices
         )
         set_planes(self.bends, pose.centres, pose.axes, state.planes)
+        self._bulging.set(state.bulge, pose.axes)
         state.time[0] = t
         return state
 
@@ -183,7 +196,8 @@ class SkinnedSurface:
         """See `surface_motion.SurfaceMotion`."""
         now = self._set(t)
         place_skin(
-            self.skin, self.which, self.weights, now.motions, now.matrices, now.planes, out
+            self.skin, now.bulge.points, self.which, self.weights, now.motions, now.matrices,
+            now.planes, out,
         )  # fmt: skip
         return self._smoothed(out)
 
@@ -206,9 +220,11 @@ class SkinnedSurface:
                 self._rates[j], now.motions[j], pose.centres[j], pose.velocities[j], pose.spins[j]
             )
         plane_rates(self.bends, now.planes, pose.velocities, pose.spins, self._of_planes)
+        bulging = self._bulging
+        bulging.set_rates(now.bulge, pose.spins)
         skin_rates(
-            self.skin, self.which, self.weights, now.motions, self._rates, now.planes,
-            self._of_planes, out,
+            self.skin, now.bulge.points, self.which, self.weights, now.motions, self._rates,
+            now.planes, self._of_planes, bulging.fields, bulging.directions, bulging.rates, out,
         )  # fmt: skip
         return self._smoothed(out)
 
@@ -220,12 +236,14 @@ class SkinnedSurface:
         pushed: np.ndarray | None = None,
     ) -> None:
         """See `surface_motion.SurfaceMotion`."""
-        now, reached = self._set(t), self._every if pushed is None else pushed
+        now, own = self._set(t), self._every if pushed is None else pushed
+        reached, impulses = own, at_vertices
         if self._smoothing is not None:
-            reached, at_vertices = self._smoothing.spread(reached, at_vertices)
+            reached, impulses = self._smoothing.spread(own, at_vertices)
+        bulging = self._bulging
         add_skin(
-            self.skin, self.which, self.weights, now.motions, self.bends, now.planes,
-            now.pose.centres, reached, at_vertices, book,
+            self.skin, now.bulge.points, self.which, self.weights, now.motions, self.bends,
+            now.planes, now.pose.centres, bulging.fields, bulging.directions, bulging.along,
+            self._shares, own, at_vertices, reached, impulses, self._sums, book,
         )  # fmt: skip
-        if self._smoothing is not None:
-            self._smoothing.forget(reached)
+        bulging.add_to(book, now.bulge)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 r"""Vertices of a skin carried by several segments: where they are and how fast.
 
-A vertex is placed by the blended dual quaternions of its segments (`dual_quaternions`), then, near
-a joint that bends, kept on its side of the plane that halves the bend (`flesh`):
+A vertex, bulged as the joints bend (`bulge`), is placed by the blended dual quaternions of its
+segments (`dual_quaternions`), then, near a joint that bends, kept on its side of the plane that
+halves the bend (`flesh`):
 
     s = side n . (x - c),   x <- x + part side (g(s) - s) n
 
@@ -14,11 +15,10 @@ import numpy as np
 
 from contact.kernel import kernel
 
-from .dual_quaternions import blend, moved, moving, set_motion
+from .dual_quaternions import NOWHERE, blend, moved, moving, set_motion
 from .flesh import kept_on_side
 
 SKIN = [
-    ("point", float, 3),  # where it was bound [m]
     ("bend", np.int64),  # joint that presses it, -1 for none
     ("side", float),  # 1 above that joint, -1 below
     ("margin", float),  # m of `flesh` [m]
@@ -57,16 +57,17 @@ def _on_one(weights, i):
 
 @kernel(makes_arrays=False, fastmath={"contract"})
 def place_skin(
-    skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
-    matrices: np.ndarray, planes: np.ndarray, out: np.ndarray,
+    skin: np.ndarray, points: np.ndarray, which: np.ndarray, weights: np.ndarray,
+    motions: np.ndarray, matrices: np.ndarray, planes: np.ndarray, out: np.ndarray,
 ) -> None:  # fmt: skip
     """Fill the places out (n, 3) [m] of the vertices.
 
-    skin : (n,) SKIN; which, weights : (n, k), segments and weights, the largest first
+    skin : (n,) SKIN; points : (n, 3), where they were bound, bulged [m]
+    which, weights : (n, k), segments and weights, the largest first
     motions, matrices : of `set_motions`; planes : of `set_planes`
     """
     for i in range(len(skin)):
-        k, p = skin[i].bend, skin[i].point
+        k, p = skin[i].bend, points[i]
         if _on_one(weights, i):
             R = matrices[which[i, 0]]
             x0 = R[0, 3] + R[0, 0] * p[0] + R[0, 1] * p[1] + R[0, 2] * p[2]
@@ -87,19 +88,25 @@ def place_skin(
 
 @kernel(makes_arrays=False, fastmath={"contract"})
 def skin_rates(
-    skin: np.ndarray, which: np.ndarray, weights: np.ndarray, motions: np.ndarray,
-    rates: np.ndarray, planes: np.ndarray, of_planes: np.ndarray, out: np.ndarray,
+    skin: np.ndarray, points: np.ndarray, which: np.ndarray, weights: np.ndarray,
+    motions: np.ndarray, rates: np.ndarray, planes: np.ndarray, of_planes: np.ndarray,
+    fields: np.ndarray, directions: np.ndarray, swelling: np.ndarray, out: np.ndarray,
 ) -> None:  # fmt: skip
     """Fill the velocities out (n, 3) [m/s]: the derivative of `place_skin`.
 
     rates (m, 8) : of the motions; of_planes : of `plane_rates`
+    fields (n,), directions (n, 3), swelling (k,) : of `bulge`, fields of none without one
     """
     for i in range(len(skin)):
-        p = (0.0, skin[i].point[0], skin[i].point[1], skin[i].point[2])
+        p = (0.0, points[i, 0], points[i, 1], points[i, 2])
         b, d = blend(motions, motions, which[i], weights[i])
         db, dd = blend(motions, rates, which[i], weights[i])
         x = moved(b, d, p)
         v = moving(b, d, p, db, dd, x)
+        if len(fields) > 0 and fields[i] >= 0:
+            y = moved(b, NOWHERE, (0.0, directions[i, 0], directions[i, 1], directions[i, 2]))
+            rate = swelling[fields[i]]
+            v = (v[0] + rate * y[0], v[1] + rate * y[1], v[2] + rate * y[2])
         for c in range(3):
             out[i, c] = v[c]
         k = skin[i].bend

@@ -13,7 +13,8 @@ import numpy as np
 from contact.body.flesh_bed import HARD, Flesh
 from contact.body.segments import Body
 
-from .flesh_step import SIDE, flesh_kernel
+from .bed_push import SIDE
+from .flesh_step import flesh_kernel
 from .friction import Friction
 from .velocity_correction import VelocityCorrection
 
@@ -83,6 +84,7 @@ class FleshCorrection(OnFlesh, VelocityCorrection):
         **options: Any,
     ):
         self.lay_beds(flesh, body.names, areal_mass, nodes)
+        self._over = np.zeros(0, np.int64)  # no triangles
         self._beds_of_segments["stiffness"][list(hard)] = HARD
         # in creases parts that press cloth against each other let it in
         soft = self._beds_of_segments["stiffness"].min() / self._areal
@@ -94,18 +96,19 @@ class FleshCorrection(OnFlesh, VelocityCorrection):
     def _run(self, x, v, old, mass, dt):
         last, window = self.last, self.window
         return self._correct(
-            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._away, self._node,
-            self._step, self._segments, self._planes, self._beds_of_segments, self.sides,
-            self._areal, self._beds, last.impulse, last.table, window.impulse, window.table,
+            x, v, old, mass, dt, self.fixed, self._sets, self._look, self._away,
+            self._step, self._segments, self._planes, self._over, self._beds_of_segments,
+            self.sides, self._areal, self._beds, last.impulse, last.table, window.impulse,
+            window.table,
         )  # fmt: skip
 
     def _ask(self, nodes, x, v, old, mass, dt, step, correct):
         _, look, away, impulse, table, beds = self._scratch_of(len(nodes))
         sets = np.take(self._sets, nodes, axis=1)
         correct(
-            x, v, old, mass, dt, self.fixed[nodes], sets, look, away, self._node,
-            step, self._segments, self._planes, self._beds_of_segments, self.sides[nodes],
-            self._areal, beds, impulse[0], table[0], impulse[1], table[1],
+            x, v, old, mass, dt, self.fixed[nodes], sets, look, away,
+            step, self._segments, self._planes, self._over, self._beds_of_segments,
+            self.sides[nodes], self._areal, beds, impulse[0], table[0], impulse[1], table[1],
         )  # fmt: skip
 
     def state(self) -> dict[str, np.ndarray]:

@@ -12,10 +12,9 @@ As p is that of the end, k (d' - d)^2/2 more is lost a step than by the bed. Fri
 of that push, as on a hard body.
 
 Skin that meets a node which is inside already, as in dressing, comes out with it at the recovery
-speed, so that it is not thrown. Of several segments on one side of a node the one presses in which
-it lies deepest. In a crease, between sides more than a right angle apart, a node is met as by
-node_contact.py, by segments smaller by the depth that it has come to, which follows the pressure in
-a time of LAG: no flesh gives way into other flesh there, and cloth is not drawn in.
+speed, so that it is not thrown. Of several segments those press of whose beds the node has most
+(bed_push.py). Where two press it from opposite sides, what they press alike is flesh on flesh and
+not booked (soft_contact.py); they are beds that hold it flat.
 """
 
 from collections.abc import Callable
@@ -27,58 +26,20 @@ import numpy as np
 from contact.geometry.shape import foot_and_normal, least_distance
 from contact.kernel import kernel
 
+from .bed_push import bed_kernel
 from .broad_phase import mark_away, may_meet
 from .correction_step import begin_step, end_step, forget
-from .friction import cone_kernel
-from .node_contact import book_planes, node_kernel
+from .node_contact import book_planes
 from .segment_motion import drift_of, turned_by
-from .step_record import ALLOWED, FAR, PENETRATED, SEGMENT_TOUCHED
+from .soft_contact import opposed
+from .step_record import ALLOWED, FAR, SEGMENT_TOUCHED
 from .supporting_planes import set_plane
-
-LAG = 5e-3  # s
-# what a node remembers of the bed that presses it
-SIDE = np.dtype(
-    [
-        ("owner", np.int64),  # segment, -1: none
-        ("depth", float),  # d [m]
-        ("recess", float),  # of the skin where it met the node already inside [m]
-        ("slip", float),  # s [m]
-        ("relaxing", float),  # q [Pa]
-    ]
-)
-
-
-@kernel(makes_arrays=False)
-def press(bed: Any, side: Any, free_depth: float, compliance: float, dt: float) -> float:
-    """Push s [m] of a bed on a node whose depth would be `free_depth` without it.
-
-    compliance : dt^2/rho [m/Pa]; side : SIDE as of the step before, set to that of this one
-    """
-    decay = 1.0 / (1.0 + dt / bed.relaxation_time) if bed.relaxation_time > 0.0 else 0.0
-    slope = bed.stiffness + bed.relaxing_stiffness * decay
-    rest = (side.relaxing - bed.relaxing_stiffness * side.depth) * decay
-    stuck, slides = slope + bed.slip_stiffness, 0.0
-    push = compliance * (rest - bed.slip_stiffness * side.slip + stuck * free_depth)
-    push /= 1.0 + compliance * stuck
-    borne = bed.slip_stiffness * (free_depth - push - side.slip)
-    if abs(borne) > bed.yield_pressure:
-        slides = bed.yield_pressure if borne > 0.0 else -bed.yield_pressure
-        push = compliance * (rest + slides + slope * free_depth) / (1.0 + compliance * slope)
-        borne = slides
-    push = max(0.0, push)
-    depth = free_depth - push
-    side.relaxing = (side.relaxing + bed.relaxing_stiffness * (depth - side.depth)) * decay
-    # skin that comes back more slowly than the cloth leaves it pulls nothing
-    side.relaxing = max(side.relaxing, -bed.stiffness * depth - borne)
-    side.slip = depth - borne / bed.slip_stiffness if bed.slip_stiffness > 0.0 else 0.0
-    side.depth = depth
-    return push
 
 
 @kernel(makes_arrays=False)
 def _candidates(x, i, sets, work, segments, planes):
-    """Planes of all segments that the free step of node i ends below; their number."""
-    count, free = 0, work.free
+    """Planes of all segments that a step of node i may end below; their number, or 0."""
+    count, free, below = 0, work.free, False
     allowed = sets[ALLOWED, i] & ~sets[FAR, i]
     for b in range(len(segments)):
         segment = segments[b]
@@ -104,111 +65,42 @@ def _candidates(x, i, sets, work, segments, planes):
         plane.bound = depth
         for c in range(3):
             plane.bound += plane.normal[c] * (plane.drift[c] - free[c])
-        if plane.bound > 0.0:
-            count += 1
-    return count
-
-
-@kernel(makes_arrays=False)
-def _deepest(count, planes):
-    """Number of the deepest plane; -1 where two are more than a right angle apart: a crease."""
-    first = 0
-    for k in range(count):
-        if planes[k].bound > planes[first].bound:
-            first = k
-        for j in range(k):
-            n, m = planes[k].normal, planes[j].normal
-            if n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < 0.0:
-                return -1
-    return first
-
-
-@kernel(makes_arrays=False)
-def _copy(plane, out):
-    out.owner, out.depth, out.bound = plane.owner, plane.depth, plane.bound
-    for c in range(3):
-        out.normal[c], out.drift[c] = plane.normal[c], plane.drift[c]
-
-
-@cache
-def bed_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel press_plane(mass, work, side, plane, bed, compliance) of a law of friction.
-
-    It fills the push and the friction of a plane on a bed, whose bound is the depth that the free
-    step ends at [m], and `work.change`; whether the node sticks. compliance : see `press`
-    """
-    transmitted = cone_kernel(kinetic_coefficient)
-
-    @kernel(makes_arrays=False)
-    def press_plane(mass, work, side, plane, bed, compliance):
-        n, u, free, step = plane.normal, plane.drift, work.free, work.step
-        if side.owner != plane.owner:
-            begun = side.depth if side.owner >= 0 else 0.0
-            side.owner, side.depth, side.slip, side.relaxing = plane.owner, 0.0, 0.0, 0.0
-            side.recess = max(0.0, plane.depth - begun)
-        side.recess = max(0.0, side.recess - work.recovery)
-        push = press(bed, side, plane.bound - side.recess, compliance, work.dt)
-        plane.push, along, size, inertia = push, 0.0, 0.0, mass / work.dt
-        for c in range(3):
-            step[c] = free[c] + push * n[c]
-            along += (step[c] - u[c]) * n[c]
-        for c in range(3):
-            plane.friction[c] = -(step[c] - u[c] - along * n[c])
-            size += plane.friction[c] * plane.friction[c]
-        size = np.sqrt(size)
-        fraction = transmitted(inertia * push, inertia * size, size / work.dt, work.friction)
-        for c in range(3):
-            plane.friction[c] *= fraction
-            work.change[c] = (push * n[c] + plane.friction[c]) / work.dt
-        return fraction == 1.0 and work.friction[0] > 0.0
-
-    return press_plane
+        below = below or plane.bound > 0.0
+        count += 1
+    return count if below else 0
 
 
 @cache
 def flesh_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel correct(x, v, old, mass, dt, ..., *books) of a law of friction, on flesh.
 
-    Arguments as of `correction_kernel` (correction_step.py) and flesh (m,) BED, sides (n,) SIDE and
-    the areal mass [kg/m^2].
+    Arguments as of `correction_kernel` (correction_step.py), without node and guards, and over (0,)
+    int, flesh (m,) BED, sides (n,) SIDE and the areal mass [kg/m^2].
     """
-    press_plane = bed_kernel(kinetic_coefficient)
-    correct_node = node_kernel(kinetic_coefficient)
+    press_planes = bed_kernel(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
-    def on_bed(x, v, mass, work, side, segments, planes, bed, compliance, book):
-        """Correct a node on the bed of plane 0; its segment, or -1."""
-        stick = press_plane(mass, work, side, planes[0], bed, compliance)
-        work.count, work.soft = 1, 0
+    def on_bed(x, v, mass, work, side, count, segments, planes, over, flesh, compliance, book):
+        """Correct a node on the beds of `count` planes; the segment that presses most, or -1."""
+        pressing = press_planes(count, mass, work, side, planes, over, flesh, compliance)
+        work.count, work.soft = pressing, 0
+        if pressing == 2 and opposed(planes, 2, segments, False) != 0:
+            work.count, work.soft = 0, 2
+            work.beds = flesh[planes[0].owner].stiffness + flesh[planes[1].owner].stiffness
+            work.pinched += 1
+            work.pinch_depth = max(work.pinch_depth, side.depth)
         segment = book_planes(x, v, mass, work, segments, planes, book)
         if segment >= 0:
             work.active += 1
-            work.sticking += stick
-        return segment
-
-    @kernel(makes_arrays=False)
-    def in_crease(x, v, mass, work, node, side, segments, planes, flesh, compliance, book):
-        """Correct a node between several segments; the one that pushes most, or -1."""
-        offset, depth = work.offset, side.depth if side.owner >= 0 else 0.0
-        work.offset = offset - depth
-        segment, _, _ = correct_node(x, v, mass, node, work, segments, planes, book)
-        work.offset = offset
-        if segment < 0:
-            return -1
-        pressure = 0.0
-        for k in range(work.count + work.soft):
-            pressure += planes[k].push / compliance
-        wanted = pressure / flesh[segment].stiffness
-        side.owner, side.slip, side.relaxing, side.recess = segment, 0.0, 0.0, 0.0
-        side.depth = depth + (wanted - depth) * min(1.0, work.dt / LAG)
+            work.sticking += work.stick
         return segment
 
     @kernel(makes_arrays=False)
     def correct(
-        x, v, old, mass, dt, fixed, sets, look, away, node, step, segments, planes, flesh, sides,
-        areal, beds, impulse, book, window, window_book,
+        x, v, old, mass, dt, fixed, sets, look, away, step, segments, planes, over, flesh,
+        sides, areal, beds, impulse, book, window, window_book,
     ):  # fmt: skip
-        work, one, compliance = step[0], node[0], dt * dt / areal
+        work, compliance = step[0], dt * dt / areal
         begin_step(dt, work, segments)
         book[:] = 0.0
         impulse[:] = 0.0
@@ -227,26 +119,13 @@ def flesh_kernel(kinetic_coefficient: Callable) -> Any:
                         work.free[c], work.kick[c] = dt * v[i, c], v[i, c] - old[i, c]
                     work.beds = 0.0
                     count = _candidates(x, i, sets, work, segments, planes)
-                    first = _deepest(count, planes)
-                    one.penetrated = sets[PENETRATED, i]
-                    if first < 0 or one.penetrated != 0:
-                        one.allowed, one.far = sets[ALLOWED, i], sets[FAR, i]
-                        one.segment = sets[SEGMENT_TOUCHED, i]
-                        segment = in_crease(
-                            x[i], v[i], mass[i], work, one, side, segments, planes, flesh,
+                    if count > 0:
+                        segment = on_bed(
+                            x[i], v[i], mass[i], work, side, count, segments, planes, over, flesh,
                             compliance, book,
                         )  # fmt: skip
                         if len(beds):
                             beds[i] = work.beds
-                    elif count > 0:
-                        _copy(planes[first], planes[0])
-                        bed = flesh[planes[0].owner]
-                        segment = on_bed(
-                            x[i], v[i], mass[i], work, side, segments, planes, bed, compliance, book
-                        )
-                    sets[PENETRATED, i] = one.penetrated
-                else:
-                    sets[PENETRATED, i] = 0
             sets[SEGMENT_TOUCHED, i] = segment
             if segment < 0:
                 side.owner = -1

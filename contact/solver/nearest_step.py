@@ -172,6 +172,11 @@ def nearest_step(
         step[m] = free[m]
     if deepest < 0:
         return 0
+    if count == 1:
+        planes[0].push = overlap
+        for m in range(3):
+            step[m] += overlap * planes[0].normal[m]
+        return 1
     best = np.inf, -1, -1, -1, 0.0, 0.0, 0.0
     best = _onto_one(free, planes, count, first, slack, step, best)
     if best[0] > slack:

@@ -85,7 +85,7 @@ class SurfaceCorrection(NodeCorrection):
         self._stack, self._bounds = np.zeros(STACK, np.int64), np.zeros(STACK)
         self._smooth = bool(smooth)
         self._acting = new_acting(surface.vertex_count)
-        self.at_vertices = self._acting.table
+        self.at_vertices, self._most = self._acting.table, 0
         self._book = np.zeros((len(surface.names), BOOKED))
         self._owners = np.ascontiguousarray(self._rows[surface.owners], np.int64)
         bits = bits_of(names if body is None else body.carriers)
@@ -123,9 +123,12 @@ class SurfaceCorrection(NodeCorrection):
             self._refuse(bad - 1, x, v, mass, t)
         last.table[:] = 0.0
         if self.active:
+            if self.active > self._most:
+                self._most = self.active
+                self._places.warn_of_sharp(x)
             self._book[:] = 0.0
             pushed = self._acting.rows[: self._acting.number[0]]
-            self.surface.add_to_segments(t, self.at_vertices, self._book, pushed)
+            self.surface.add_to_segments(self._places.time, self.at_vertices, self._book, pushed)
             last.table[self._rows] = self._book
             window.table += last.table
         last.seconds = dt
@@ -187,15 +190,21 @@ class SurfaceCorrection(NodeCorrection):
     @property
     def start_pose(self) -> Pose:
         """Centres of the segments at the start of the last step; no axes, velocities and spins."""
-        t = 0.0 if self._start_time is None else self._start_time
         centres, nothing = np.zeros((len(self.last.table), 3)), np.zeros((0, 3))
-        centres[self._rows] = self.surface.centres(t, np.zeros((len(self._rows), 3)))
+        centres[self._rows] = self.surface.centres(
+            self._places.time, np.zeros((len(self._rows), 3))
+        )
         return Pose(centres, np.zeros((0, 3, 3)), nothing, nothing)
 
     @property
     def placed(self) -> tuple[Any, Any]:
         """`Mesh` and `Placed` of the surface at the start of the last step; to be read only."""
         return self._places.mesh, self._places.start
+
+    @property
+    def nearest(self) -> np.ndarray:
+        """Triangle (n,) int last found under each node, -1 for none; to be read only."""
+        return self._near
 
     @property
     def vertices(self) -> np.ndarray:

@@ -3,9 +3,7 @@
 
 As on segments with flesh (flesh_step.py): below each triangle is the bed of the segment that it is
 reported to belong to, and a node presses it along the smooth normal under it, with the area that
-its mass has of the cloth. Between two parts of the body, and in a crease, a node is met as by a
-hard surface (surface_node.py) that is smaller by the depth that it has come to, which follows the
-pressure in a time of LAG.
+its mass has of the cloth. Between two parts of the body, and in a crease, it presses two.
 """
 
 from collections.abc import Callable
@@ -20,11 +18,11 @@ from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.kernel import kernel
 
+from .bed_push import bed_kernel
 from .flesh_correction import OnFlesh
-from .flesh_step import LAG, bed_kernel
 from .friction import Friction
 from .surface_correction import SurfaceCorrection
-from .surface_node import book_surface, surface_node_kernel
+from .surface_node import book_surface
 from .surface_planes import add_carried
 from .surface_step import surface_kernel
 
@@ -34,66 +32,42 @@ def soft_node_kernel(kinetic_coefficient: Callable) -> Any:
     """Kernel meet_soft(i, x, v, mass, found, ...) of a law of friction, see `surface_node_kernel`.
 
     beds : records (m,) BED of the owners, (n,) SIDE of the nodes, areal mass of the cloth [kg/m^2],
-        (n,) bool, set where a node still lies in flesh; one that nothing pushes in a crease does
+        (n,) bool, set where a node lies in flesh
     """
-    meet_hard = surface_node_kernel(kinetic_coefficient)
-    press_plane = bed_kernel(kinetic_coefficient)
-
-    @kernel(makes_arrays=False)
-    def in_crease(
-        i, x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
-        end, planes, over, stack, bounds, owners, acting, beds,
-    ):  # fmt: skip
-        side, compliance, offset = beds[1][i], work.dt * work.dt / beds[2], work.offset
-        beds[3][i] = True
-        depth = side.depth if side.owner >= 0 else 0.0
-        work.offset = offset - depth
-        pushing, near, deep = meet_hard(
-            i, x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh,
-            start, end, planes, over, stack, bounds, owners, acting, (),
-        )  # fmt: skip
-        work.offset = offset
-        if pushing >= 0:
-            pressure = 0.0
-            for k in range(work.count):
-                pressure += planes[k].push / compliance
-            side.owner = owners[pushing]
-            wanted = pressure / beds[0][side.owner].stiffness
-            side.slip = side.relaxing = side.recess = 0.0
-            side.depth = depth + (wanted - depth) * min(1.0, work.dt / LAG)
-        return pushing, near, deep
+    press_planes = bed_kernel(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
     def meet_soft(
         i, x, v, mass, found, second, other, local, last, smooth, asked, highest, work, mesh, start,
         end, planes, over, stack, bounds, owners, acting, beds,
     ):  # fmt: skip
-        if other:
-            return in_crease(
-                i, x, v, mass, found, second, other, local, last, smooth, asked, highest, work,
-                mesh, start, end, planes, over, stack, bounds, owners, acting, beds,
-            )  # fmt: skip
+        side, t, count = beds[1][i], found[0], 1
         work.count = work.soft = work.pushing = 0
-        t = found[0]
-        depth = add_carried(x, found, mesh, start, end, owners, work, planes, over)
-        plane = planes[0]
-        plane.bound = depth
+        add_carried(x, found, mesh, start, end, owners, work, planes, over)
+        if other:
+            add_carried(x, second, mesh, start, end, owners, work, planes, over)
+            count = 2
+        below = False
         for c in range(3):
             work.free[c] = work.dt * v[c]
-            plane.bound += plane.normal[c] * (plane.drift[c] - work.free[c])
-        if not plane.bound > 0.0:
+        for k in range(count):
+            plane = planes[k]
+            plane.bound = plane.depth
+            for c in range(3):
+                plane.bound += plane.normal[c] * (plane.drift[c] - work.free[c])
+            below = below or plane.bound > 0.0
+        if not below:
             return -1, t, 0.0
-        side = beds[1][i]
         compliance = work.dt * work.dt / beds[2]
-        stick = press_plane(mass, work, side, plane, beds[0][plane.owner], compliance)
-        if not plane.push > 0.0:
+        work.count = press_planes(count, mass, work, side, planes, over, beds[0], compliance)
+        if not planes[0].push > 0.0:
             return -1, t, 0.0
-        book_surface(x, v, mass, work, planes, over, mesh, start, acting)
+        most = book_surface(x, v, mass, work, planes, over, mesh, start, acting)
         beds[3][i] = True
         work.pushing = 1
         work.active += 1
-        work.sticking += stick
-        return t, t, 0.0
+        work.sticking += work.stick
+        return over[most], over[most], 0.0
 
     return meet_soft
 

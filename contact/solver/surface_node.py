@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.geometry.triangle_mesh.carried import add_impulse, drift, numbers_of
+from contact.geometry.triangle_mesh.carried import add_impulse, drift
 from contact.kernel import kernel
 
 from .nearest_step import PINCHED
@@ -53,18 +53,20 @@ def book_surface(
         push, done, pressed, rubbed = planes[k].push, 0.0, 0.0, 0.0
         if push > greatest:
             most, greatest = k, push
+        friction = planes[k].friction
+        if push == 0.0 and friction[0] == 0.0 and friction[1] == 0.0 and friction[2] == 0.0:
+            continue
         for c in range(3):
             surface = planes[k].drift[c] / dt
             slip = v[c] + 0.5 * (work.change[c] - work.kick[c]) - surface
             pushed = mass / dt * push * planes[k].normal[c]
-            friction = mass / dt * planes[k].friction[c]
-            work.impulse[c] = pushed + friction
+            dragged = mass / dt * friction[c]
+            work.impulse[c] = pushed + dragged
             done += work.impulse[c] * surface
             pressed -= pushed * slip
-            rubbed -= friction * slip
-        b1, b2, h = numbers_of(start.vertices, mesh.triangles, over[k], x[0], x[1], x[2])
+            rubbed -= dragged * slip
         add_impulse(
-            start.vertices, mesh.triangles, over[k], b1, b2, h, work.impulse, done, rubbed,
+            start.vertices, mesh.triangles, over[k], x[0], x[1], x[2], work.impulse, done, rubbed,
             pressed, acting,
         )  # fmt: skip
     return most
@@ -125,10 +127,9 @@ def surface_node_kernel(kinetic_coefficient: Callable) -> Any:
             )
             if met < 0:
                 break
-            b1, b2, h = numbers_of(before, corners, met, x[0], x[1], x[2])
             # the start lies `above` the plane, seen from the triangle under it
             above -= n0 * planes[0].drift[0] + n1 * planes[0].drift[1] + n2 * planes[0].drift[2]
-            u0, u1, u2 = drift(before, after, corners, met, b1, b2, h)
+            u0, u1, u2 = drift(before, after, corners, met, x[0], x[1], x[2])
             above += n0 * u0 + n1 * u1 + n2 * u2
             facing = n0 * planes[0].normal[0] + n1 * planes[0].normal[1] + n2 * planes[0].normal[2]
             apart = owners[met] != planes[0].owner and facing < OPPOSED

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.geometry.triangle_mesh.carried import drift, numbers_of, turned_with
+from contact.geometry.triangle_mesh.carried import drift, turned_with
 from contact.geometry.triangle_mesh.smooth import flat_gap, normal_at, smooth_gap
 from contact.kernel import kernel
 
@@ -96,8 +96,7 @@ def add_carried(
     """
     t, w1, w2, distance, n0, n1, n2, rounded = found
     corners, before, after = mesh.triangles, start.vertices, end.vertices
-    b1, b2, h = numbers_of(before, corners, t, x[0], x[1], x[2])
-    u0, u1, u2 = drift(before, after, corners, t, b1, b2, h)
+    u0, u1, u2 = drift(before, after, corners, t, x[0], x[1], x[2])
     if rounded:
         n0, n1, n2, _ = normal_at(mesh, end, t, w1, w2)
     else:

@@ -43,7 +43,9 @@ FACING = 0.5  # cosine of the angle between normals of one sheet, at least
 KEPT = 64.0  # steps: a distance that lasts so long is worth that the sheet is forgotten
 ROOM = 10  # numbers kept: room [m]; from a corner of the triangle the node and the others (9) [m]
 PART = 0.5  # of a distance, that is room: normals of neighbours may turn too
-WORTH = 1e-4  # m, of room, to be kept
+WORTH = 1e-5  # m, of room, to be kept
+FARTHEST = 4.0  # rooms, from its sheet, of a node that has some left
+NEARBY = 4e-3  # m, from it, that other sheets are looked for anew in time
 
 
 @kernel(makes_arrays=False)
@@ -109,6 +111,37 @@ def room_left(
     return kept[0] - gone - turned
 
 
+@kernel(makes_arrays=False)
+def other_sheet(
+    mesh: Any,
+    placed: Any,
+    i: int,
+    x0: float,
+    x1: float,
+    x2: float,
+    asked: int,
+    found: tuple,
+    reach: float,
+    work: Any,
+    sheet: np.ndarray,
+    stack: np.ndarray,
+    bounds: np.ndarray,
+) -> float:
+    """How far [m] node i at x over its sheet, see `gap_at`, is from any other one, in this step.
+
+    The surface's motion is taken off; what was found is kept as its `sheet`, see `surface_kernel`.
+    """
+    limit = max(SHEET, 8.0 * reach)
+    t, square = closest_facing(
+        mesh, placed, x0, x1, x2, asked, found[4], found[5], found[6], FACING, limit, stack, bounds
+    )  # fmt: skip
+    if t >= 0:
+        limit = np.sqrt(square)
+    work.evaluated += 1
+    set_look(sheet, i, x0, x1, x2, limit, work.path)
+    return limit - work.motion
+
+
 @cache
 def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_node_kernel) -> Any:
     """Kernel correct(x, v, old, mass, dt, ...) of a law of friction, see `SurfaceCorrection`.
@@ -157,7 +190,7 @@ def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_no
                 left = clearance_left(x, i, work.path, work.motion, sheet)
             local = known = other = False
             if left > needed:
-                if room[i, 0] > 0.0:
+                if room[i, 0] > 0.0 and left > needed + reach + min(FARTHEST * room[i, 0], NEARBY):
                     y0, y1, y2 = x0 + dt * v[i, 0], x1 + dt * v[i, 1], x2 + dt * v[i, 2]
                     rest = room_left(mesh, end, last[i], y0, y1, y2, room[i])
                     if rest > 0.0:
@@ -165,13 +198,18 @@ def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_no
                         set_look(look, i, y0, y1, y2, rest, work.path + work.motion)
                         continue
                 lead = followed(mesh, start, last[i], x0, x1, x2)
-                found = lead[:8]
+                found, near = lead[:8], max(abs(lead[3]), lead[8])
                 # nearer than anything else: the closest triangle is one of the sheet
-                known = found[0] >= 0 and max(abs(found[3]), lead[8]) < left
-                known = known and mesh.sets[found[0]] & asked != 0
+                known = found[0] >= 0 and near < left and mesh.sets[found[0]] & asked != 0
+                if known and left <= near + reach + needed:
+                    # as long as that is known, other sheets are looked for anew
+                    left = other_sheet(
+                        mesh, start, i, x0, x1, x2, asked, found, reach, work, sheet, stack, bounds
+                    )
+                    known = left > max(near, needed)
                 second = found
                 # at the end of the step too
-                local = known and left > max(abs(found[3]), lead[8]) + reach + needed
+                local = known and left > near + reach + needed
             room[i, 0] = 0.0
             if not known:
                 t, square = closest(mesh, start, x0, x1, x2, asked, last[i], stack, bounds)
@@ -209,12 +247,19 @@ def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_no
                     local = not other and limit > max(abs(found[3]), flat) + reach + needed
             last[i] = found[0]
             gap = found[3] - work.offset
+            roomy = found[7] and not other and PART * gap > WORTH
+            if roomy:
+                keep_room(mesh, start, found[0], x0, x1, x2, PART * gap, room[i])
             if gap > reach and not other:
-                if found[7] and PART * gap > WORTH:
-                    keep_room(mesh, start, found[0], x0, x1, x2, PART * gap, room[i])
+                if roomy:
                     rest = min(1.5 * PART * gap, left - work.offset - work.recovery)
                     set_look(look, i, x0, x1, x2, rest, work.path)
                 continue
+            if roomy and local:
+                # so near that it might touch, but it goes along with the triangle under it
+                y0, y1, y2 = x0 + dt * v[i, 0], x1 + dt * v[i, 1], x2 + dt * v[i, 2]
+                if room_left(mesh, end, found[0], y0, y1, y2, room[i]) > 0.0:
+                    continue
             for c in range(3):
                 work.kick[c] = v[i, c] - old[i, c]
             pushing, near, depth = meet_surface(

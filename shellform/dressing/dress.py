@@ -72,7 +72,7 @@ def dress(
         watch("below", stepper)
 
         # (b), up over legs and hips
-        hands = _hands(stepper, dressing, _lift(start, dressing.pull, drop))
+        hands = hands_at_waist(stepper, dressing, _lift(start, dressing.pull, drop))
         advance_watched(stepper, start + dressing.pull, every, lambda: watch("pull", stepper))
         watch("up", stepper)
 
@@ -80,7 +80,7 @@ def dress(
         allowed[:] = reach
         contact.friction = friction
         belt = stepper.add(Belt("waist"))
-        _change_hands(stepper, belt, hands, tension, dressing, watch)
+        change_hands(stepper, belt, hands, tension, dressing, watch)
         watch("belted", stepper)
         report = settle(stepper, belt, dressing, watch, every)
     before = dressing.pull + dressing.belt + dressing.release
@@ -103,14 +103,14 @@ def feet(wearer: Wearer) -> int:
     return wearer.mask([n for n, s in zip(wearer.names, wearer.carriers) if s.endswith("foot")])
 
 
-def _hands(stepper: Newmark, dressing: Dressing, places: Callable) -> Hands:
+def hands_at_waist(stepper: Newmark, dressing: Dressing, places: Callable) -> Hands:
     """Hands on the waist, damped by half of what is critical for a node of mean mass."""
     mass = stepper.shell.comm.allreduce(stepper.mass.sum()) / len(stepper.shell.surface.points)
     damping = 0.5 * np.sqrt(dressing.grip * mass)
     return stepper.add(Hands("waist", places, dressing.grip, damping))
 
 
-def _change_hands(
+def change_hands(
     stepper: Newmark, belt: Belt, hands: Hands, tension: float, dressing: Dressing, watch: Watch
 ) -> None:
     """Tighten the belt to its tension [N], then let go of the waist."""

@@ -19,6 +19,7 @@ AWAY = 2  # cells from the waist that count as the belt's
 def fit(stepper: Newmark, belt: Belt | None) -> dict:
     """How the garment sits: depth in the body, stretch, what the belt does; on all ranks.
 
+    Where cloth meets cloth, `intersections` are edges of it that pass through triangles.
     What has no belt, `belt` None, has none of its figures but `carried`, the force [N] by which the
     body holds it up: its weight, at rest.
 
@@ -39,6 +40,8 @@ def fit(stepper: Newmark, belt: Belt | None) -> dict:
         "stretch": float(elongation(shell.positions(), shell.directors(), surface).max()),
         "pinched": comm.allreduce(contact.pinched),
     }
+    if contact.cloth is not None:
+        found["intersections"] = contact.cloth.intersections()
     if belt is None:
         force = contact.window.table[:, 2].sum() / contact.window.seconds
         return found | {"carried": comm.allreduce(float(force))}
@@ -92,6 +95,18 @@ def stretch_warning(stretch: float, most: float, source: str) -> str | None:
         f"warning: {source}: the dressed cloth is stretched by {100 * stretch:.0f} %, more "
         f"than the {100 * USUAL:.0f} % of suiting at the greatest load of a Kawabata test: torques "
         f"may be those of a garment too small or caught on the body; {mend}"
+    )
+
+
+def layers_warning(intersections: int, source: str) -> str | None:
+    """What to tell a person of dressed cloth whose edges pass through it; None without such."""
+    if not intersections:
+        return None
+    return (
+        f"warning: {source}: in {intersections} places the dressed cloth passes through itself and "
+        "stays so, as contact of cloth with cloth does not part what has passed: dress it anew "
+        "with self_contact, if that was another scene's, or take another garment.cell_size or a "
+        "wider garment"
     )
 
 

@@ -10,6 +10,7 @@ Watch = Callable[[str, Newmark], None]  # called with the stage and the stepper
 
 # what of Fig. 7 is seen at the end of a stage
 SHOULDER_STAGES = {"sewn": "arms held up", "lowered": "arms down", "settled": ""}
+SKIN_STAGES = {"grown": "body grown", "belted": "belt", "settled": ""}
 STAGES = {"below": "feet left out", "pull": "pulled up", "belted": "feet back, belt", "settled": ""}
 
 

@@ -32,13 +32,6 @@ def skin_of_scene(scene: Scene, wearer: Wearer) -> SkinnedSurface | None:
     person = scene.person
     if person.body == "ellipsoids":
         return None
-    if scene.contact.self_contact:
-        # what the growing skin pushes through other cloth in dressing would stay so
-        raise ValueError(
-            f"contact.self_contact = true: trousers are put on person.body = {str(person.body)!r} "
-            'without it and then lie through themselves; take body = "ellipsoids", or leave '
-            "self_contact out"
-        )
     # only here: reading, fitting and skinning bodies loads and compiles what ellipsoids do not need
     from pathlib import Path
 

@@ -3,9 +3,10 @@
 
 from pathlib import Path
 
-from shellform.dressing.procedure import SHOULDER_STAGES, STAGES
+from shellform.dressing.procedure import SHOULDER_STAGES, SKIN_STAGES, STAGES
 from shellform.motion.recording import SIDES
 from shellform.results.mean_torque import mean_rows
+from shellform.results.pressure_map import Map, load
 from shellform.scene.scene_file import read_scene
 from shellform.scene.skin import skin_of_scene
 from shellform.scene.wearer import part_of, wearer_of
@@ -24,25 +25,25 @@ def draw(out: str | Path) -> None:
     skin = skin_of_scene(scene, wearer)
     rows = {scene.title: mean_rows(out)}
     joint = "right_shoulder" if "right_shoulder" in wearer.joints else "right_knee"
-    draw_all(out, wearer, dressing_frames(out), out, rows, joint, scene.title, skin=skin)
+    frames = dressing_frames(out, skin is not None)
+    draw_all(out, wearer, frames, out, rows, joint, scene.title, skin=skin)
     draw_walk_wrinkles(out / "wrinkles.png", wearer, out, scene.title)
     if (out / "pressure.npz").is_file():
-        from shellform.results.skin_pressure import load
-
         pressed = load(out / "pressure.npz")
-        dressed = part_of(scene, wearer, pressed.names)
-        pressure_figure(out / "pressure.png", dressed, pressed, wearer.start, scene.title)
+        shown = part_of(scene, wearer, pressed.names) if isinstance(pressed, Map) else wearer
+        pressure_figure(out / "pressure.png", shown, pressed, wearer.start, scene.title)
 
 
-def dressing_frames(out: str | Path) -> list[tuple]:
+def dressing_frames(out: str | Path, on_skin: bool = False) -> list[tuple]:
     """(label, frame, ellipsoids left out) of the stages of dressing, from the files of a run."""
     from shellform.pictures.walk import read_frames
 
     if not (Path(out) / "dressing.pvd").is_file():
         return []
     frames = read_frames(out, "dressing")
-    # three frames are those of what hangs on the shoulders, over all of the body
-    stages = STAGES if len(frames) > len(SHOULDER_STAGES) else SHOULDER_STAGES
+    # three frames are those of what hangs on the shoulders, over all of the body, or of a skin
+    short = SKIN_STAGES if on_skin else SHOULDER_STAGES
+    stages = STAGES if len(frames) > len(short) else short
     feet = [f"{side}_foot" for side in SIDES if stages is STAGES]
     return [
         (f"({letter}) {label or 'settled'}", frame, feet if k < 2 else [])

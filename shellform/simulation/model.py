@@ -14,7 +14,6 @@ from shellform.dressing.belt import Belt
 from shellform.dressing.dress import dress
 from shellform.dressing.procedure import Dressing, unwatched
 from shellform.dressing.saved_state import put_on
-from shellform.dressing.settings import borrowed
 from shellform.dressing.settle import AT_LEAST, settle_again, settle_on
 from shellform.dynamics.explicit import Newmark
 from shellform.fem.shell import Shell
@@ -30,8 +29,6 @@ from shellform.scene.wearer import dressed_wearer, dressing_wearer, wearer_of
 
 if TYPE_CHECKING:
     from contact.body.skinned_surface import SkinnedSurface
-
-GROWN = 0.4  # s, in which a skin grows under cloth
 
 
 class Model:
@@ -81,7 +78,7 @@ class Model:
         """Contact of a stepper's nodes with those parts of the body that each can come to.
 
         wearer : of the same parts, in another motion than the scene's
-        bare : without flesh and without contact of cloth with cloth
+        bare : without flesh
         """
         contact, owned = self.scene.contact, self.shell.partition.owned_nodes
         kinetic = contact.kinetic_friction
@@ -95,7 +92,7 @@ class Model:
                 flesh_stiffness=contact.flesh_stiffness if flesh is None and skin is None else None,
                 flesh=flesh,
                 surface=skin,
-                self_contact=contact.self_contact and not bare,
+                self_contact=contact.self_contact,
             )
         )
         if skin is None:  # a part of a skin would be open, and known no inside
@@ -128,15 +125,11 @@ class Model:
     def _dress_shell(self, watch: Callable | None) -> tuple[Belt | None, dict]:
         if self.skin is None:
             return dress(self.stepper, self.scene.belt, watch=watch)
-        # feet are no part of the body while trousers are pulled up: ellipsoids can be left out
         self.stepper.remove(self.contact)
-        bare = self._meet(self.stepper)
-        belt, first = dress(self.stepper, self.scene.belt, watch=watch)
-        self.stepper.remove(bare)
-        self._grow_skin(self.skin)
+        belt, seconds = self._dress_skin(self.stepper, self.skin, watch)
         self.contact = self._meet(self.stepper, self.skin)
-        report = settle_on(self.stepper, belt, Dressing())
-        return belt, report | {"seconds": first["seconds"] + AT_LEAST + report["seconds"]}
+        report = settle_on(self.stepper, belt, Dressing(), unwatched if watch is None else watch)
+        return belt, report | {"seconds": seconds + AT_LEAST + report["seconds"]}
 
     def _dress_shoulders(self, watch: Callable | None) -> tuple[None, dict]:
         """Sewn around raised arms, the cloth follows them down and settles."""
@@ -153,20 +146,18 @@ class Model:
         report = settle_on(stepper, None, dressing, unwatched if watch is None else watch)
         return None, report | {"seconds": seconds + AT_LEAST + report["seconds"]}
 
-    def _grow_skin(self, skin: "SkinnedSurface") -> None:
-        """Move cloth that lies as on ellipsoids out of the skin."""
+    def _dress_skin(
+        self, stepper: Newmark, skin: "SkinnedSurface", watch: Callable | None
+    ) -> tuple[Belt, float]:
+        """Dress a skin by a stepper that has no contact; the belt, and the seconds it took."""
         # only here: bodies of ellipsoids have no skin
-        from shellform.dressing.growing import Growing
+        from shellform.dressing.dress_skin import dress_skin
 
-        stepper, begin = self.stepper, self.wearer.start - GROWN
-        # hard, as what lies deep inside would not be moved by flesh; and cloth that is pushed out
-        # from inside a limb may have to pass other cloth
-        growing = self._meet(stepper, Growing(skin, self.wearer, begin, GROWN), bare=True)
-        with borrowed(stepper):
-            stepper.time, stepper.drag = begin, Dressing().drag
-            growing.friction = Dressing().slip
-            stepper.advance(self.wearer.start)
-        stepper.remove(growing)
+        def meet(surface: SurfaceMotion) -> ExplicitContact:
+            # hard, as flesh would not move what the growing body finds deep inside
+            return self._meet(stepper, surface, bare=True)
+
+        return dress_skin(stepper, skin, self.wearer, self.scene.belt, meet, watch=watch)
 
     def _dress_springs(self, watch: Callable | None) -> tuple[Belt | None, dict]:
         """Masses and springs are put on first; the shell bends where they do not: it settles."""
@@ -175,8 +166,12 @@ class Model:
 
         steps = self.scene.steps
         particles = Particles(self.shell, steps.time_step_factor, drag=steps.drag)
-        self._meet(particles)
-        _, first = dress(particles, self.scene.belt, watch=watch)
+        if self.skin is None:
+            self._meet(particles)
+            _, first = dress(particles, self.scene.belt, watch=watch)
+            seconds = first["seconds"]
+        else:
+            _, seconds = self._dress_skin(particles, self.skin, watch)
         hand_over(particles, self.stepper)
         belt, report = settle_again(self.stepper, self.scene.belt, Dressing())
-        return belt, report | {"seconds": first["seconds"] + AT_LEAST + report["seconds"]}
+        return belt, report | {"seconds": seconds + AT_LEAST + report["seconds"]}

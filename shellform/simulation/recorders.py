@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What is recorded while a scene is stepped: torque, ledger, extremes, pressure, frames."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from shellform.contact_coupling.contact import require_contact
-from shellform.dressing.procedure import SHOULDER_STAGES, STAGES
+from shellform.dressing.procedure import SHOULDER_STAGES, SKIN_STAGES, STAGES
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.part import Part
 from shellform.motion.gait.strides import counted
@@ -17,6 +19,10 @@ from shellform.results.ledger import Ledger
 from shellform.results.series import Series
 
 from .model import Model
+
+if TYPE_CHECKING:
+    from shellform.results.skin_pressure import Pressure
+    from shellform.results.surface_pressure import SurfacePressure
 
 
 class Recorders:
@@ -29,8 +35,8 @@ class Recorders:
 
     Attributes
     ----------
-    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure on ellipsoids, and
-        vertices : SurfacePressure on a body of triangles, or None if not asked for
+    joints : Torque; ledger : Ledger; extremes : Extremes
+    pressure : Pressure on ellipsoids, SurfacePressure on triangles, or None if not asked for
     crossings : Crossings, None where cloth does not meet cloth
     counted : begin and end [s] of what counts for torque and pressure, see `counted`; depths
     and the ledger are kept throughout
@@ -45,18 +51,9 @@ class Recorders:
         self.crossings: Crossings | None = None
         if model.contact.cloth is not None:
             self.crossings = add(Crossings(resumed))
-        self.skin = None
-        self.vertices = None
-        if output.pressure and model.skin is not None:
-            # only here, as below; on triangles it is found at their vertices
-            from shellform.results.surface_pressure import SurfacePressure
-
-            self.vertices = add(SurfacePressure(resumed))
-        elif output.pressure:
-            # only here: it compiles a kernel of its own
-            from shellform.results.skin_pressure import Pressure
-
-            self.skin = add(Pressure(output.pressure, resumed))
+        self.pressure = _pressure(model, resumed)
+        if self.pressure is not None:
+            add(self.pressure)
 
     def record(self, time: float) -> np.ndarray:
         """Rows of the window that ends at `time` [s]; begins a new one.
@@ -68,15 +65,28 @@ class Recorders:
         self.joints.record(time)
         begin, end = self.counted
         whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
-        if self.skin:
-            self.skin.record(time, whole)
-        if self.vertices:
-            self.vertices.record(time, whole)
+        if self.pressure is not None:
+            self.pressure.record(time, whole)
         if self.crossings is not None:
             self.crossings.count()
         force = self._window.impulse / self._window.seconds
         self.ledger.record()
         return force
+
+
+def _pressure(model: Model, resumed: dict | None) -> Pressure | SurfacePressure | None:
+    """What adds up the pressure on this wearer; None where it is not asked for."""
+    # imports here: each compiles kernels of its own
+    size = model.scene.output.pressure
+    if not size:
+        return None
+    if model.skin is not None:
+        from shellform.results.surface_pressure import SurfacePressure
+
+        return SurfacePressure(resumed)
+    from shellform.results.skin_pressure import Pressure
+
+    return Pressure(size, resumed)
 
 
 class Extremes(Part):
@@ -162,7 +172,7 @@ def dressing_watcher(model: Model, out: Path, watch: Callable | None) -> Callabl
         if watch:
             watch(stage, model)
         halfway = stage != "pull" or abs(stepper.owned[:, 2]).max(initial=0.0) < 0.5
-        known = stage in STAGES or stage in SHOULDER_STAGES
+        known = any(stage in stages for stages in (STAGES, SHOULDER_STAGES, SKIN_STAGES))
         if known and stage not in seen and model.comm.allreduce(int(not halfway)) == 0:
             seen.add(stage)
             series.write(model.shell, stepper.time)

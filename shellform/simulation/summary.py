@@ -98,21 +98,24 @@ def summary_lines(results: dict) -> list[str]:
             f"stride {results['stride_length']:.3f} m, cadence {results['cadence']:.1f} steps/min"
         )
     if "self_contact" in results:
-        lines += _itself_lines(results["self_contact"], results["intersections"])
+        dressed = results["dressing"].get("intersections", 0)
+        lines += _itself_lines(results["self_contact"], results["intersections"], dressed)
     if "fabric" in results:
         lines.append(f"fabric {results['fabric']}")
     return lines + torque_lines(results)
 
 
-def _itself_lines(found, crossings):
+def _itself_lines(found, crossings, dressed):
     near = "never near itself"
     if found["closest"] is not None:
         near = (
             f"{found['pairs_most']} pairs at most, {1e3 * found['closest']:.2f} mm apart at least"
         )
     line = f"cloth on cloth: {near}; {crossings} edges through triangles at most"
-    if crossings:
-        line += ": dressed without self_contact?"
+    if dressed:
+        line += f", {dressed} of them as it was dressed"
+    elif crossings:
+        line += ": layers pressed together without room for all, as in a crease of the body"
     lines = [line]
     if found["steps_at_limit"]:
         lines.append(f"cloth on cloth was not solved to the end in {found['steps_at_limit']} steps")

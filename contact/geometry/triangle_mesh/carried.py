@@ -65,13 +65,8 @@ def _frame(v, corners, t):
 
 
 @kernel(makes_arrays=False)
-def numbers_of(
-    v: np.ndarray, corners: np.ndarray, t: int, x0: float, x1: float, x2: float
-) -> tuple[float, float, float]:
-    """b_1, b_2 and h [m] of x at triangle t."""
-    a0, a1, a2, c0, c1, c2, n0, n1, n2, square = _frame(v, corners, t)
-    i = corners[t, 0]
-    r0, r1, r2 = x0 - v[i, 0], x1 - v[i, 1], x2 - v[i, 2]
+def _numbers(a0, a1, a2, c0, c1, c2, n0, n1, n2, square, r0, r1, r2):
+    """b_1, b_2 and h [m] of a point r from the first corner of a triangle of this frame."""
     size = np.sqrt(square)
     b1 = n0 * (r1 * c2 - r2 * c1) + n1 * (r2 * c0 - r0 * c2) + n2 * (r0 * c1 - r1 * c0)
     b2 = n0 * (a1 * r2 - a2 * r1) + n1 * (a2 * r0 - a0 * r2) + n2 * (a0 * r1 - a1 * r0)
@@ -84,20 +79,24 @@ def drift(
     after: np.ndarray,
     corners: np.ndarray,
     t: int,
-    b1: float,
-    b2: float,
-    h: float,
+    x0: float,
+    x1: float,
+    x2: float,
 ) -> tuple[float, float, float]:
-    """Way [m] of the point b_1, b_2, h of triangle t from vertices (nv, 3) to others.
+    """Way [m] of a point x that triangle t carries from vertices (nv, 3) to others.
 
     Exactly zero where they are the same.
     """
-    a0, a1, a2, c0, c1, c2, n0, n1, n2, _ = _frame(before, corners, t)
+    a0, a1, a2, c0, c1, c2, n0, n1, n2, square = _frame(before, corners, t)
     e0, e1, e2, f0, f1, f2, m0, m1, m2, _ = _frame(after, corners, t)
     i = corners[t, 0]
-    u0 = after[i, 0] - before[i, 0] + b1 * (e0 - a0) + b2 * (f0 - c0) + h * (m0 - n0)
-    u1 = after[i, 1] - before[i, 1] + b1 * (e1 - a1) + b2 * (f1 - c1) + h * (m1 - n1)
-    u2 = after[i, 2] - before[i, 2] + b1 * (e2 - a2) + b2 * (f2 - c2) + h * (m2 - n2)
+    o0, o1, o2 = before[i, 0], before[i, 1], before[i, 2]
+    b1, b2, h = _numbers(
+        a0, a1, a2, c0, c1, c2, n0, n1, n2, square, x0 - o0, x1 - o1, x2 - o2
+    )  # fmt: skip
+    u0 = after[i, 0] - o0 + b1 * (e0 - a0) + b2 * (f0 - c0) + h * (m0 - n0)
+    u1 = after[i, 1] - o1 + b1 * (e1 - a1) + b2 * (f1 - c1) + h * (m1 - n1)
+    u2 = after[i, 2] - o2 + b1 * (e2 - a2) + b2 * (f2 - c2) + h * (m2 - n2)
     return u0, u1, u2
 
 
@@ -114,10 +113,7 @@ def turned_with(
     """Unit direction d as triangle t carries it from vertices (nv, 3) to others."""
     a0, a1, a2, c0, c1, c2, n0, n1, n2, square = _frame(before, corners, t)
     e0, e1, e2, f0, f1, f2, m0, m1, m2, _ = _frame(after, corners, t)
-    size, h = np.sqrt(square), d0 * n0 + d1 * n1 + d2 * n2
-    b1 = n0 * (d1 * c2 - d2 * c1) + n1 * (d2 * c0 - d0 * c2) + n2 * (d0 * c1 - d1 * c0)
-    b2 = n0 * (a1 * d2 - a2 * d1) + n1 * (a2 * d0 - a0 * d2) + n2 * (a0 * d1 - a1 * d0)
-    b1, b2 = b1 / size, b2 / size
+    b1, b2, h = _numbers(a0, a1, a2, c0, c1, c2, n0, n1, n2, square, d0, d1, d2)
     o0, o1, o2 = b1 * e0 + b2 * f0 + h * m0, b1 * e1 + b2 * f1 + h * m1, b1 * e2 + b2 * f2 + h * m2
     length = np.sqrt(o0 * o0 + o1 * o1 + o2 * o2)
     return o0 / length, o1 / length, o2 / length
@@ -158,22 +154,24 @@ def add_impulse(
     v: np.ndarray,
     corners: np.ndarray,
     t: int,
-    b1: float,
-    b2: float,
-    h: float,
+    x0: float,
+    x1: float,
+    x2: float,
     impulse: np.ndarray,
     done: float,
     rubbed: float,
     pressed: float,
     acting: Any,
 ) -> None:
-    """Add an impulse (3,) [N s] at the point b_1, b_2, h of triangle t to its corners.
+    """Add an impulse (3,) [N s] at a point x near triangle t to its corners.
 
     done, rubbed, pressed : work, friction and impact loss [J], shared out by b; acting : Acting
     """
     at_vertices = acting.table
     a0, a1, a2, c0, c1, c2, n0, n1, n2, square = _frame(v, corners, t)
     i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
+    r0, r1, r2 = x0 - v[i, 0], x1 - v[i, 1], x2 - v[i, 2]
+    b1, b2, h = _numbers(a0, a1, a2, c0, c1, c2, n0, n1, n2, square, r0, r1, r2)
     along = impulse[0] * n0 + impulse[1] * n1 + impulse[2] * n2
     scale = h / np.sqrt(square)
     g0 = scale * (impulse[0] - along * n0)

@@ -88,7 +88,7 @@ def _walk(
     Of any direction for a cosine above 1, otherwise as of `closest_facing`.
     """
     v, boxes, corners, grown = placed.vertices, placed.boxes, mesh.in_order, placed.grown[0]
-    n, leaves = len(corners), mesh.leaves[0]
+    starts, leaves = mesh.leaf_start, mesh.leaves[0]
     depth, k, bound = 0, 0, _to_box(boxes, 0, grown, x0, x1, x2)
     while True:
         if bound <= least * SLACK and mesh.box_sets[k] & asked:
@@ -105,7 +105,7 @@ def _walk(
                 k, bound = left, near
                 continue
             j = k - (leaves - 1)
-            for place in range(j * n // leaves, (j + 1) * n // leaves):
+            for place in range(starts[j], starts[j + 1]):
                 if cosine <= 1.0 and not _faces_away(v, corners, place, n0, n1, n2, cosine):
                     continue
                 square = on_triangle(v, corners, place, x0, x1, x2)[0]

@@ -37,7 +37,7 @@ def _crosses(v, i, j, a, b, c):
 @kernel(makes_arrays=False)
 def _count(mesh, placed, stack, first):
     v, boxes, corners = placed.vertices, placed.boxes, mesh.in_order
-    n, leaves, count = len(corners), mesh.leaves[0], 0
+    starts, leaves, count = mesh.leaf_start, mesh.leaves[0], 0
     for t in range(len(mesh.triangles)):
         for side in range(3):
             i, j = mesh.triangles[t, side], mesh.triangles[t, (side + 1) % 3]
@@ -57,7 +57,7 @@ def _count(mesh, placed, stack, first):
                     depth += 2
                     continue
                 leaf = k - (leaves - 1)
-                for place in range(leaf * n // leaves, (leaf + 1) * n // leaves):
+                for place in range(starts[leaf], starts[leaf + 1]):
                     a, b, c = corners[place, 0], corners[place, 1], corners[place, 2]
                     if i == a or i == b or i == c or j == a or j == b or j == c:
                         continue

@@ -46,12 +46,11 @@ def new_placed(mesh: Mesh, count: int, boxes: np.ndarray | None = None) -> Place
 def refit(mesh: Any, placed: Any) -> None:
     """Boxes of the tree from the vertices, not grown; normals are forgotten."""
     boxes, v, corners = placed.boxes, placed.vertices, mesh.in_order
-    n, leaves, end = len(corners), mesh.leaves[0], 0
+    starts, leaves = mesh.leaf_start, mesh.leaves[0]
     for j in range(leaves):
-        first, end = end, (j + 1) * n // leaves
         low0 = low1 = low2 = np.inf
         high0 = high1 = high2 = -np.inf
-        for place in range(first, end):
+        for place in range(starts[j], starts[j + 1]):
             for a in range(3):
                 i = corners[place, a]
                 v0, v1, v2 = v[i, 0], v[i, 1], v[i, 2]
@@ -99,8 +98,8 @@ def know_normal(mesh: Any, placed: Any, i: int) -> None:
             a0, a1, a2 = v[p, 0] - o0, v[p, 1] - o1, v[p, 2] - o2
             scale = 1.0 / max(a0 * a0 + a1 * a1 + a2 * a2, TINY)
             a0, a1, a2 = scale * a0, scale * a1, scale * a2
-        last = ends[place, 1]
-        c0, c1, c2 = v[last, 0] - o0, v[last, 1] - o1, v[last, 2] - o2
+        q = ends[place, 1]
+        c0, c1, c2, last = v[q, 0] - o0, v[q, 1] - o1, v[q, 2] - o2, q
         scale = 1.0 / max(c0 * c0 + c1 * c1 + c2 * c2, TINY)
         c0, c1, c2 = scale * c0, scale * c1, scale * c2
         n0, n1, n2 = n0 + a1 * c2 - a2 * c1, n1 + a2 * c0 - a0 * c2, n2 + a0 * c1 - a1 * c0

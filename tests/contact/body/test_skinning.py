@@ -3,8 +3,10 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from contact.body.bulge import Bulge, Swell
 from contact.body.flesh import kept_on_side
 from contact.body.segments import Pose
 from contact.body.skinned_surface import LEAST, Bend, SkinnedSurface
@@ -67,14 +69,31 @@ def between(n):
     return 2 * np.arange(n + 1), columns, np.tile([0.9, 0.1], n)
 
 
-@pytest.fixture(params=[False, True], ids=["", "smoothed"])
+def bulge(points):
+    """Thigh and shank bulge along and across the limb, the thigh by both cosines at once."""
+    fields = np.where(points[:, 2] > 0.05, 0, np.where(points[:, 2] < -0.03, 1, -1))
+    fields[::7] = -1
+    directions = np.random.default_rng(5).normal(size=points.shape)
+    ahead, up = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    c = np.linspace(-0.9, 0.8, 6)
+    rising = CubicSpline(c, 0.01 * np.sin(3.0 * c)).c[::-1].T
+    swells = [
+        Swell(0, *NAMES, up, -up, (c[0], c[-1]), rising),
+        Swell(0, *NAMES, ahead, up, (-1.0, 1.0), [[0.0, -0.01, 0.005, 0.001]]),
+        Swell(1, *NAMES, up, np.sqrt(0.5) * (ahead - up), (c[0], c[-1]), -2.0 * rising),
+    ]
+    return Bulge(fields, directions, swells)
+
+
+@pytest.fixture(params=["", "smoothed", "bulged"])
 def skin(request):
     points, triangles, weights = leg()
-    bound = rest()
+    bound, way = rest(), request.param
     return SkinnedSurface(
         points, triangles, weights, NAMES, lambda t, out: bending(t, out, bound), bound,
-        [knee(0.004 if request.param else 0.0)],
-        between(len(points)) if request.param else None,
+        [knee(0.004 if way else 0.0)],
+        between(len(points)) if way else None,
+        bulge(points) if way == "bulged" else None,
     )  # fmt: skip
 
 
@@ -82,9 +101,10 @@ def places(skin, t):
     return skin.positions(t, np.empty((skin.vertex_count, 3))).copy()
 
 
-def slow(t, press=True):
-    """Positions by whole quaternions of scipy, one vertex after the other."""
-    points, _, weights = leg()
+def slow(t, press=True, points=None):
+    """Positions by whole quaternions of scipy, one vertex after the other; points: as bulged."""
+    bound_at, _, weights = leg()
+    points = bound_at if points is None else points
     weights = np.where(weights < LEAST, 0.0, weights)
     weights /= weights.sum(axis=1, keepdims=True)
     bound = rest()
@@ -101,11 +121,11 @@ def slow(t, press=True):
     normal = (halves[0] - halves[1]) / np.linalg.norm(halves[0] - halves[1])
     at = np.mean([pose.centres[j] - turns[j].apply(bound.centres[j]) for j in range(2)], axis=0)
     out = []
-    for p, w in zip(points, weights, strict=True):
+    for p, at_first, w in zip(points, bound_at, weights, strict=True):
         r, e = w @ q, w @ np.array(d)
         x = Rotation.from_quat(r).apply(p)
         x += 2 * hamilton(e, r * [-1, -1, -1, 1])[:3] / (r @ r)
-        side, margin = np.sign(p[2]), min(0.5 * abs(p[2]), 0.015)
+        side, margin = np.sign(at_first[2]), min(0.5 * abs(at_first[2]), 0.015)
         s = side * normal @ (x - at)
         if press and s < margin:
             x += side * (margin**2 / (2 * margin - s) - s) * normal

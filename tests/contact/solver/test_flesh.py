@@ -54,6 +54,77 @@ def test_a_node_at_rest_sinks_until_the_bed_bears_it():
     assert correction.stored_energy(mass) == pytest.approx(stored, rel=1e-5)
 
 
+def test_a_node_rests_in_a_valley_between_two_limbs():
+    """Both press alike, k d = rho g/cos(angle of their normals to the pull), and neither throws it.
+
+    Pulled aside as well, it stays in the valley as long as both still press.
+    """
+    radius, half, k, mass = 0.1, 0.05, 2e4, np.array([3e-4])
+    limbs = [
+        Segment(name, [radius] * 3, Fixed((sign * half, 0.0, 0.0)))
+        for name, sign in (("one", -1), ("other", 1))
+    ]
+    for aside in (0.0, 0.3):
+        pull = 50.0 * G * np.array([np.sin(aside), 0.0, -np.cos(aside)])
+        correction = on(Body(limbs), 1, Flesh(k))
+        x, v = np.array([[1e-3, 0.0, 0.0871]]), np.zeros((1, 3))
+        speeds = []
+        for step in range(6000):
+            old = v.copy()
+            v *= 1 - 60 * DT
+            v += DT * pull
+            correction(x, v, mass, DT, step * DT, v_old=old)
+            x += DT * v
+            speeds.append(np.linalg.norm(v))
+        assert max(speeds[-500:]) < 1e-6
+        away = [x[0] - (sign * half, 0.0, 0.0) for sign in (-1, 1)]
+        depths = [radius - np.linalg.norm(arm) for arm in away]
+        assert depths[0] == pytest.approx(depths[1], rel=1e-6)
+        # pushes along both normals bear the pull; their sum is the pressure times the area
+        normals = np.column_stack([arm / np.linalg.norm(arm) for arm in away])[[0, 2]]
+        pushes = np.linalg.solve(normals, -AREAL * pull[[0, 2]])
+        assert pushes.min() > 0 and depths[0] == pytest.approx(pushes.sum() / k, rel=1e-6)
+        found = correction.last.segment_impulse[:, [0, 2]] / DT / mass * AREAL
+        assert found == pytest.approx((normals * pushes).T, rel=1e-6)
+
+
+def closing(x0, sign):
+    """Centre of a ball of 0.1 m beside a slit of 5 mm that closes to -20 mm and opens, in 0.4 s."""
+
+    class Closing:
+        def pose(self, t):
+            gap = lambda s: 0.5 * (5e-3 - 12.5e-3 * (1 - np.cos(2 * np.pi * s / 0.4)))  # noqa: E731
+            speed = (gap(t + 1e-7) - gap(t - 1e-7)) / 2e-7
+            centre, axes, _, spin = Fixed((sign * (0.1 + gap(t)), 0.0, 0.0)).pose(t)
+            return centre, axes, np.array([sign * speed, 0.0, 0.0]), spin
+
+    return Segment(x0, [0.1] * 3, Closing())
+
+
+@pytest.mark.parametrize("stiffness", [{"one": 2e4, "other": 2e4}, {"one": 1e4, "other": 4e4}])
+def test_limbs_that_close_on_nodes_hold_them_between_and_let_them_go(stiffness):
+    """Both lie alike in both, sqrt(k) d; what limbs press on each other is not the cloth's."""
+    body = Body([closing("one", -1.0), closing("other", 1.0)])
+    x = np.array([[1e-3, 0.0, 0.0], [-2e-3, 0.0, 2e-3]])
+    v, mass = np.zeros((2, 3)), np.array([3e-4, 2e-4])
+    correction = on(body, 2, Flesh(stiffness), friction=0.4)
+    for step in range(4000):
+        old = v.copy()
+        correction(x, v, mass, DT, step * DT, v_old=old)
+        x += DT * v
+        if step == 2000:
+            depths = [0.1 - np.linalg.norm(x - c, axis=1) for c in body.new_pose(0.2001).centres]
+            alike = [np.sqrt(k) * d for k, d in zip(stiffness.values(), depths, strict=True)]
+            assert alike[0] == pytest.approx(alike[1], rel=2e-2) and depths[0].min() > 4e-3
+            assert correction.pinched == 2 and np.abs(v).max() < 0.02
+            # two sides press with some newtons each
+            assert np.abs(correction.last.segment_impulse).max() / DT < 0.05
+    # opened at 0.2 m/s at most
+    assert np.abs(v).max() < 0.2
+    lost = correction.window.work.sum() - 0.5 * (mass * np.sum(v**2, axis=1)).sum()
+    assert lost > -1e-9
+
+
 def test_a_flat_plate_pressed_into_a_ball_of_flesh():
     """Pressures k (R - s) along the normal sum up to pi k (R - delta) delta^2."""
     radius, delta, k, h = 0.1, 0.01, 1e5, 5e-4

@@ -439,13 +439,20 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed(smooth):
 
 
 def test_sharp_edges_that_are_met_as_smooth_ones_are_told():
-    x, v = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
-    with pytest.warns(UserWarning, match="over 12 of 12 triangles of the surface of box the norm"):
-        SurfaceCorrection(box([0.1] * 3), 1)(x, v, np.ones(1), 1e-3, 0.0)
+    """As cloth first touches: of triangles where it is, and only of these."""
+    above, v = np.array([[0.05, 0.05, 0.18], [-0.05, -0.05, 0.18]]), np.zeros((2, 3))
+    down = above * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1]
+    correction = SurfaceCorrection(box([0.1] * 3), 2)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        SurfaceCorrection(box([0.1] * 3), 1, smooth=False)(x, v, np.ones(1), 1e-3, 0.0)
-        SurfaceCorrection(ball(0.1, 2), 1)(x, v, np.ones(1), 1e-3, 0.0)
+        correction(above, v, np.ones(2), 1e-3, 0.0)
+        SurfaceCorrection(box([0.1] * 3), 2, smooth=False)(down, v - 1.0, np.ones(2), 1e-3, 0.0)
+        SurfaceCorrection(ball(0.1, 2), 2)(0.5 * down, v, np.ones(2), 1e-3, 0.0)
+    with pytest.warns(UserWarning, match="over 2 of 12 triangles of the surface of box the norm"):
+        correction(down, v - [0.0, 0.0, 1.0], np.ones(2), 1e-3, 1e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        correction(down, v - [0.0, 0.0, 1.0], np.ones(2), 1e-3, 2e-3)
 
 
 @pytest.mark.parametrize("speed", [1.0, 30.0])

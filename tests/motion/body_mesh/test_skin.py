@@ -137,7 +137,7 @@ def test_thighs_give_way_to_each_other(walk):
     wearer = wearer_of(closed_legs(walk.recording, np.radians(8.0)))
     closed = skin_of(wearer, manikin(), STATURE, asked_girths(STATURE))
     x = closed.positions(wearer.start, np.empty((closed.vertex_count, 3)))
-    pose, points = wearer.segment_pose(wearer.start, SEGMENTS), closed.skin["point"]
+    pose, points = wearer.segment_pose(wearer.start, SEGMENTS), closed.points
     for side, sign in (("right", -1.0), ("left", 1.0)):
         k = SEGMENTS.index(f"{side}_thigh")
         inner = (closed.which[:, 0] == k) & (closed.weights[:, 0] > 0.9) & (points[:, 2] > 0.68)
