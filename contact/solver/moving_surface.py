@@ -78,7 +78,11 @@ class SurfaceObstacle:
         self._acting = new_acting(surface.vertex_count)
         self._book = np.zeros((len(surface.names), BOOKED))
         self._near, self._look = np.full(nodes, -1, np.int64), np.zeros((nodes, 5))
-        self._path, self._before = np.zeros(2), np.zeros((surface.vertex_count, 3))
+        self._path, self._shift, self._before = (
+            np.zeros(2),
+            np.zeros(3),
+            np.zeros((surface.vertex_count, 3)),
+        )
         self._end = np.nan
         self.world: Any = None
 
@@ -95,7 +99,8 @@ class SurfaceObstacle:
         if abs(t - self._end) > 1e-6 * dt:
             self._near[:] = -1  # not where the last step ended
         if surface.moves:
-            self._path[1] = places.go_on(t, t + dt)
+            motion = places.go_on(t, t + dt, self._shift)
+            self._path[1] = motion + np.linalg.norm(self._shift)
             rates, last = self.world.rates, LAST * dt
             # (3 x(t + dt) - 4 x(t + dt - h) + x(t + dt - 2 h)) / (2 h)
             np.multiply(places.end.vertices, 1.5 / last, out=rates)
@@ -121,14 +126,16 @@ class SurfaceObstacle:
             np.zeros(7),
         )  # fmt: skip
 
-    def booked(self, table: np.ndarray) -> None:
-        """Take what was booked since the last call into a ledger's table."""
+    def booked(self, table: np.ndarray, x: np.ndarray) -> None:
+        """Take what was booked since the last call into a ledger's table; x (n, 3) : nodes [m]."""
         table[:] = 0.0
         if self._shapes is not None:
-            self._shapes.booked(table)
+            self._shapes.booked(table, x)
         self._book[:] = 0.0
         pushed = self._acting.rows[: self._acting.number[0]]
         if len(pushed):
+            if self._smooth:
+                self._places.warn_of_sharp(x)
             self._surface.add_to_segments(self._next[1], self._acting.table, self._book, pushed)
             table[self._rows] += self._book
         forget_acting(self._acting)

@@ -214,8 +214,8 @@ class SegmentObstacle:
         set_motion(*parts, self._offset, world.segments)
         world.velocities[:], world.spins[:] = end.velocities[chosen], end.spins[chosen]
 
-    def booked(self, table: np.ndarray) -> None:
-        """Take what was booked since the last call into a ledger's table."""
+    def booked(self, table: np.ndarray, x: np.ndarray) -> None:
+        """Take what was booked since the last call into a ledger's table; x (n, 3) : nodes [m]."""
         table[:] = self.world.table
         self.world.table[:] = 0.0
 

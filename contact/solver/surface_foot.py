@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.geometry.triangle_mesh.carried import drift, numbers_of
+from contact.geometry.triangle_mesh.carried import drift
 from contact.geometry.triangle_mesh.closest import closest, closest_facing
 from contact.kernel import kernel
 
@@ -60,5 +60,4 @@ def foot_facing(
 def way_of(x: np.ndarray, t: int, world: Any) -> tuple[float, float, float]:
     """Way of the point x over the step as triangle t takes it."""
     before, after, corners = world.start.vertices, world.end.vertices, world.mesh.triangles
-    b1, b2, h = numbers_of(before, corners, t, x[0], x[1], x[2])
-    return drift(before, after, corners, t, b1, b2, h)
+    return drift(before, after, corners, t, x[0], x[1], x[2])

@@ -14,7 +14,6 @@ import numpy as np
 from contact.geometry.triangle_mesh.carried import (
     Acting,
     add_impulse,
-    numbers_of,
     speed_at,
     turned_with,
 )
@@ -153,8 +152,7 @@ def velocity(x: np.ndarray, i: int, k: int, world: Any, nodes: Set, out: np.ndar
         velocity_of_shape(x, i, k, world.shapes, nodes, out)
         return
     v, corners = world.end.vertices, world.mesh.triangles
-    b1, b2, h = numbers_of(v, corners, t, x[0], x[1], x[2])
-    out[0], out[1], out[2] = speed_at(v, world.rates, corners, t, b1, b2, h)
+    out[0], out[1], out[2] = speed_at(v, world.rates, corners, t, x[0], x[1], x[2])
 
 
 @kernel(makes_arrays=False)
@@ -173,10 +171,10 @@ def book(
         book_shape(x, i, k, impulse, energies, world.shapes, nodes)
         return
     v, corners = world.end.vertices, world.mesh.triangles
-    b1, b2, h = numbers_of(v, corners, t, x[0], x[1], x[2])
     add_impulse(
-        v, corners, t, b1, b2, h, impulse, energies[0], energies[1], energies[2], world.acting
-    )
+        v, corners, t, x[0], x[1], x[2], impulse, energies[0], energies[1], energies[2],
+        world.acting,
+    )  # fmt: skip
 
 
 KERNELS = Obstacle(

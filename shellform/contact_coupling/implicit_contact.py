@@ -2,11 +2,14 @@
 """Contact under implicit steps: nodes held at the body while it pushes, Eqs. 15 and 16.
 
 The solve of a step finds positions. A node in contact is held in it: in the plane tangent to the
-body at its foot (slip, with kinetic friction as a load) or at its place on the body (stick). Which
-nodes are held, and how, is an active set: solved, judged by the reactions R, solved again until
-nothing changes. A node that ends inside, or has passed through, is held; one with R . n <= 0 is
-released; one that sticks slips where R leaves the cone of static friction; one that slips sticks
-where friction would turn it around.
+body at its foot (slip, with kinetic friction as a force against it, slip_friction.py) or at its
+place on the body (stick). Which nodes are held, and how, is an active set: solved, judged by the
+reactions R, solved again until nothing changes. A node that ends inside, or has passed through, is
+held; one with R . n <= 0 is released; one that sticks slips where R leaves the cone of static
+friction; one that slips sticks where it has not moved. Directions that supports hold are left to
+them; their part of the impulses goes to the supports.
+
+The body is one of segments or a surface of triangles (contact/solver/obstacle.py).
 
 The force of contact enters positions as in backward Euler: what stopped a node in one step is not
 in the acceleration that the next step starts from, which would make the force ring at +-2 dt. It is
@@ -225,7 +228,7 @@ class ImplicitContact(RunningContact):
             self._energies, pushed,
         )  # fmt: skip
         self._kernels.book(x, self._impulses, self._energies, world, nodes)
-        self._obstacle.booked(last.table)
+        self._obstacle.booked(last.table, x)
         self._obstacle.settle()
         self._give_back(stepper, pushed, dt)
         held_nodes.take(self._set, self._kept)

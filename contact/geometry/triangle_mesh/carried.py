@@ -125,16 +125,19 @@ def speed_at(
     rates: np.ndarray,
     corners: np.ndarray,
     t: int,
-    b1: float,
-    b2: float,
-    h: float,
+    x0: float,
+    x1: float,
+    x2: float,
 ) -> tuple[float, float, float]:
-    """Velocity [m/s] of the point b_1, b_2, h of triangle t whose vertices move at rates (nv, 3).
+    """Velocity [m/s] of a point x that triangle t carries, its vertices moving at rates (nv, 3).
 
     `add_impulse` is its adjoint.
     """
     a0, a1, a2, c0, c1, c2, n0, n1, n2, square = _frame(v, corners, t)
     i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
+    b1, b2, h = _numbers(
+        a0, a1, a2, c0, c1, c2, n0, n1, n2, square, x0 - v[i, 0], x1 - v[i, 1], x2 - v[i, 2]
+    )  # fmt: skip
     r0, r1, r2 = rates[i, 0], rates[i, 1], rates[i, 2]
     d0, d1, d2 = rates[j, 0] - r0, rates[j, 1] - r1, rates[j, 2] - r2
     e0, e1, e2 = rates[k, 0] - r0, rates[k, 1] - r1, rates[k, 2] - r2
