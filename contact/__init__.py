@@ -14,7 +14,8 @@ one and the same contact serves the shell and the particle model, and any other 
                          -> contact_ledger, node by node (node_contact); soft_contact in creases
                          surface_correction, flesh_correction: the same for surfaces of triangles
                          and for flesh; node_correction is what they share
-        implicit steps   active_set, held_nodes
+        implicit steps   active_set, held_nodes -> node_constraints, slip_friction; obstacle is the
+                         seam to segment_obstacle and surface_obstacle (moving_surface)
         of both          friction: the laws; segment_motion and step_record: what kernels share
     self_contact/  what a sheet of triangles does to itself: features -> trust_region, broad_phase
                 -> rows -> sweeps, driven by solver; intersections counts what has passed through

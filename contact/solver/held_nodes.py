@@ -14,7 +14,6 @@ import numpy as np
 
 from contact.kernel import kernel
 
-from .contact_ledger import book_impulse
 from .friction import cone_kernel
 
 FIXED, OPEN, SLIP, STICK = -1, 0, 1, 2
@@ -25,19 +24,21 @@ PASSES = 40  # over the planes of a node where several hold it
 class Set(NamedTuple):
     """Nodes in contact.
 
-    state (n,): FIXED (left to the supports), OPEN, SLIP or STICK; owner (n, 3): segments, -1 where
-    none; normal (n, 3, 3), height (n, 3): planes normal . x = height at the end of the step [m];
+    state (n,): FIXED (wholly held by supports), OPEN, SLIP or STICK; owner (n, 3): segments, -1
+    where none; over (n, 3): what of them, see obstacle.py; normal (n, 3, 3), height (n, 3): planes
+    normal . x = height at the end of the step [m];
     anchor (n, 3): where the place on the body that the node started on ends the step [m];
-    load (n, 3): friction of a node that slips [N]; way_out (n,): depth kept at the end of the step
+    cone (n,): friction of a node that slips [N]; way_out (n,): depth kept at the end of the step
     by a node that starts far inside [m]; flips (n,): changes in this step.
     """
 
     state: np.ndarray
     owner: np.ndarray
+    over: np.ndarray
     normal: np.ndarray
     height: np.ndarray
     anchor: np.ndarray
-    load: np.ndarray
+    cone: np.ndarray
     way_out: np.ndarray
     flips: np.ndarray
 
@@ -63,8 +64,8 @@ class SolvedStep(NamedTuple):
 def new(n: int) -> Set:
     """Set of n open nodes."""
     return Set(
-        np.zeros(n, np.int64), np.full((n, PLANES), -1), np.zeros((n, PLANES, 3)),
-        np.zeros((n, PLANES)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n),
+        np.zeros(n, np.int64), np.full((n, PLANES), -1), np.zeros((n, PLANES), np.int64),
+        np.zeros((n, PLANES, 3)), np.zeros((n, PLANES)), np.zeros((n, 3)), np.zeros(n), np.zeros(n),
         np.zeros(n, np.int64),
     )  # fmt: skip
 
@@ -136,80 +137,14 @@ def share_kernel(kinetic_coefficient: Callable) -> Any:
     return share
 
 
-@kernel
-def constrain(
-    points: np.ndarray, nodes: Set, axes: np.ndarray, held: np.ndarray, goal: np.ndarray
-) -> None:
-    """Axes, held directions and displacements along them (Inertial.hold) from the set."""
-    for i in range(len(points)):
-        axes[i] = 0.0
-        goal[i] = 0.0
-        for c in range(3):
-            held[i, c] = False
-            axes[i, c, c] = 1.0
-        if nodes.state[i] == STICK:
-            for c in range(3):
-                held[i, c] = True
-                goal[i, c] = nodes.anchor[i, c] - points[i, c]
-        elif nodes.state[i] == SLIP:
-            rows = 0
-            for k in range(PLANES):
-                if nodes.owner[i, k] < 0:
-                    continue
-                n = nodes.normal[i, k].copy()
-                g = nodes.height[i, k] - dot(n, points[i])
-                for j in range(rows):
-                    along = dot(axes[i, j], n)
-                    g -= along * goal[i, j]
-                    n -= along * axes[i, j]
-                size = np.sqrt(dot(n, n))
-                if size < 1e-6:
-                    continue
-                axes[i, rows] = n / size
-                goal[i, rows] = g / size
-                held[i, rows] = True
-                rows += 1
-            _complete(axes[i], rows)
-
-
-@kernel
-def _complete(rows, known):
-    """Fill rows (3, 3), of which `known` are orthonormal, to a right-handed basis."""
-    if known == 1:
-        a = rows[0]
-        k = np.argmin(np.abs(a))
-        b = np.zeros(3)
-        b[k] = 1.0
-        b -= a[k] * a
-        rows[1] = b / np.sqrt(dot(b, b))
-    for c in range(3):
-        d, e = (c + 1) % 3, (c + 2) % 3
-        if known < 3:
-            rows[2, c] = rows[0, d] * rows[1, e] - rows[0, e] * rows[1, d]
-
-
-@kernel
-def _velocities_of_planes(x, owner, segments, velocities, spins, surface):
-    """Velocities (PLANES, 3) of the segments that hold a node, at its place at the end."""
-    for k in range(PLANES):
-        b = owner[k]
-        if b >= 0:
-            centre = segments[b].end_centre
-            for c in range(3):
-                d, e = (c + 1) % 3, (c + 2) % 3
-                turn = spins[b, d] * (x[e] - centre[e])
-                turn -= spins[b, e] * (x[d] - centre[d])
-                surface[k, c] = velocities[b, c] + turn
-
-
 @cache
 def push_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel push(solved, velocities, spins, segments, work, before, nodes, impulse, book, pushed)
-    of a law: impulses of a solved step on its velocities v, booked.
+    """Kernel push(solved, surface, work, before, nodes, impulse, impulses, energies, pushed) of a
+    law of friction: impulses of a solved step on its velocities v.
 
-    solved : SolvedStep; velocities, spins : (m, 3), of the body at the end [m/s, rad/s]
-    segments : (m,) SEGMENT; work : STEP; before : (n,), states of the nodes in the last step
-    nodes : Set; impulse : (n, 3), book : (m, BOOKED), filled
+    solved : SolvedStep; surface (n, 3, 3) : velocities of the body below the planes; work : STEP
+    before : (n,), states of the nodes in the last step; nodes : Set; impulse : (n, 3), filled
+    impulses, energies (n, 3, 3), filled : of the planes, see `Obstacle`
     pushed : (n, 3), filled: part of contact in the acceleration that the next step starts from
 
     Returns the nodes held, of these in stick.
@@ -217,18 +152,16 @@ def push_kernel(kinetic_coefficient: Callable) -> Any:
     share = share_kernel(kinetic_coefficient)
 
     @kernel
-    def push(solved, velocities, spins, segments, work, before, nodes, impulse, book, pushed):
+    def push(solved, surface, work, before, nodes, impulse, impulses, energies, pushed):
         x, v, v_old, mean, moved, a, mass = solved
         active, sticking, dt = 0, 0, work.dt
-        surface, planes = np.zeros((PLANES, 3)), np.zeros((PLANES, 3))
         for i in range(len(x)):
             if nodes.state[i] <= OPEN:
                 continue
-            owner, normals = nodes.owner[i], nodes.normal[i]
-            _velocities_of_planes(x[i], owner, segments, velocities, spins, surface)
+            owner, normals, planes = nodes.owner[i], nodes.normal[i], impulses[i]
             free = v[i].copy()
             total, whole = share(
-                free, surface, normals, owner, mass[i], work.friction[0] > 0.0, True,
+                free, surface[i], normals, owner, mass[i], work.friction[0] > 0.0, True,
                 work.friction, planes,
             )  # fmt: skip
             active += 1
@@ -237,7 +170,7 @@ def push_kernel(kinetic_coefficient: Callable) -> Any:
             astray = 0.0
             for c in range(3):
                 astray += mass[i] * mean[i, c] * (moved[i, c] - 0.5 * dt * (v_old[i, c] + free[c]))
-            impulse[i] = 0.0
+                impulse[i, c] = 0.0
             for k in range(PLANES):
                 if owner[k] < 0:
                     continue
@@ -246,13 +179,12 @@ def push_kernel(kinetic_coefficient: Callable) -> Any:
                 done, lost, impact = 0.0, 0.0, part * astray
                 for c in range(3):
                     normal = along * normals[k, c]
-                    slip = 0.5 * (v_old[i, c] + free[c]) - surface[k, c]
-                    done += planes[k, c] * surface[k, c]
+                    slip = 0.5 * (v_old[i, c] + free[c]) - surface[i, k, c]
+                    done += planes[k, c] * surface[i, k, c]
                     lost -= (planes[k, c] - normal) * slip
                     impact -= normal * slip
                     impulse[i, c] += planes[k, c]
-                centre = segments[owner[k]].end_centre
-                book_impulse(book[owner[k]], centre, x[i], planes[k], done, lost, impact)
+                energies[i, k, 0], energies[i, k, 1], energies[i, k, 2] = done, lost, impact
             for c in range(3):
                 v[i, c] += impulse[i, c] / mass[i]
                 pushed[i, c] = impulse[i, c] / (mass[i] * dt) if before[i] > OPEN else -a[i, c]

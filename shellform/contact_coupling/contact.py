@@ -42,7 +42,7 @@ class Contact:
         triangles belong to (explicit steps, contact/body/flesh_bed.py)
     recovery : float [m/s], greatest speed at which a node that starts a step inside is moved out
     surface : SurfaceMotion or None: closed surface of triangles bound to segments of the body,
-        which is met instead of their own shapes (explicit steps)
+        which is met instead of their own shapes
     shapes : names of segments of the body whose own shapes are met besides the surface
     smooth : bool, whether a surface is met as a smooth one, or as its flat triangles with their
         sharp edges
@@ -138,14 +138,12 @@ class Contact:
                 )
             if self.flesh is not None:
                 raise ValueError("implicit steps know no flesh: leave `flesh` out, or take Newmark")
-            if self.surface is not None:
-                raise ValueError(
-                    "implicit steps meet no surface of triangles: take Newmark, or a body of "
-                    "ellipsoids"
-                )
             from .implicit_contact import ImplicitContact
 
-            running = ImplicitContact(stepper, self.body, self.friction, self.offset, self.recovery)
+            running = ImplicitContact(
+                stepper, self.body, self.friction, self.offset, self.recovery, self.surface,
+                self.smooth, self.shapes,
+            )  # fmt: skip
             return running.attach(stepper)
         from .explicit_contact import ExplicitContact
 

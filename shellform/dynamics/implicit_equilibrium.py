@@ -9,6 +9,7 @@ Contact holds nodes in planes that change from solve to solve. So every node has
 its displacement (Q of statics/equilibrium.py), the world's until contact turns them.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 from mpi4py import MPI
@@ -35,11 +36,12 @@ class Inertial(Equilibrium):
     start_d : (n_owned, 3), directors at the start of the step
     ahead_u, ahead_d : (n_owned, 3), predicted displacement [m] and predicted turn [rad], a vector
         tangent to start_d
-    rubbing : (n_owned, 3) or None, friction on nodes that slip [N]
+    rubbing : None, or what gives the friction on nodes for displacements (n_owned, 6): forces
+        (n_owned, 3) [N] and their stiffnesses (n_owned, 3, 3) [N/m], symmetric
     """
 
     factor: np.ndarray | None = None
-    rubbing: np.ndarray | None = None
+    rubbing: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] | None = None
     start_d: np.ndarray
     ahead_u: np.ndarray
     ahead_d: np.ndarray
@@ -52,7 +54,7 @@ class Inertial(Equilibrium):
         self.moves, self.has_goal = self.has_goal, True
         self.held, self.Q = supports.held.copy(), supports.Q.copy()
         self._Q_owned = self.Q[: self.n_owned]
-        self._fixed = supports.held[: self.n_owned, :3].any(axis=1)
+        self._fixed = supports.held[: self.n_owned, :3].all(axis=1)
         self._axes = Function(shell.space)
         self.P.matrix.destroy()
         self.P = TangentMap(shell, self.length, turning=True)
@@ -77,8 +79,22 @@ class Inertial(Equilibrium):
         """See Equilibrium; less the friction on nodes that slip."""
         r6 = super().forces(stress_from)
         if self.rubbing is not None:
-            r6[:, :3] -= self.rubbing
+            r6[:, :3] -= self.rubbing(self._w()[: self.n_owned])[0]
         return r6
+
+    def _add_moment_tangent(self):
+        super()._add_moment_tangent()
+        if self.rubbing is None:
+            return
+        _, stiffness = self.rubbing(self._w()[: self.n_owned])
+        nodes = np.flatnonzero(stiffness.any(axis=(1, 2)))
+        rows = (6 * nodes[:, None] + np.arange(3)).astype(np.int32)
+        starts = np.arange(0, 3 * rows.size + 1, 3, dtype=np.int32)
+        columns = np.repeat(rows, 3, axis=0).ravel()
+        self.K6.setValuesLocalIJV(
+            starts, columns, stiffness[nodes].ravel(), PETSc.InsertMode.ADD_VALUES, rows.ravel()
+        )
+        self.K6.assemble()
 
     def free_part(self, rates: np.ndarray) -> np.ndarray:
         """Of rates (n_owned, 6) of w, the part along the unknowns that supports leave free."""
@@ -97,7 +113,7 @@ class Inertial(Equilibrium):
         ----------
         axes : (n_owned, 3, 3), rows orthonormal and right-handed
         held : (n_owned, 3) bool; goal : (n_owned, 3), displacement along the axes [m]
-            Nodes that supports hold in any direction are left as they are.
+            Axes that supports hold stay as they are, and wholly held nodes.
         """
         n, free = self.n_owned, ~self._fixed
         first_two = self._axes.x.array.reshape(-1, 6)
@@ -107,7 +123,7 @@ class Inertial(Equilibrium):
             self._axes.x.scatter_forward()
         self.Q[:, :2] = first_two.reshape(-1, 2, 3)
         self.Q[:, 2] = np.cross(self.Q[:, 0], self.Q[:, 1])
-        self._in_contact = held & free[:, None]
+        self._in_contact = held & ~self.shell.supports.held[:n, :3]
         self._contact_goal = goal
         self.held[:n, :3] = self.shell.supports.held[:n, :3] | self._in_contact
         self.P.turn(self._Q_owned, ~self.held[:n])

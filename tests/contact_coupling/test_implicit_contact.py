@@ -78,6 +78,25 @@ def test_patch_on_an_incline(slope):
         assert loss == pytest.approx(mu * mass * G * np.cos(angle) * exact, rel=2e-3)
 
 
+def test_patch_with_guided_sides_slides_on_an_incline():
+    """Nodes that a support keeps in a plane are met too: it takes nothing from them along it."""
+    radius, mu, angle, seconds = 1e4, 0.5, np.arctan(0.6), 0.3
+    surface = meshes.rectangle(0.02, 0.02, (2, 2)).transform(translation=(-0.01, -0.01, 5e-4))
+    shell = Shell(surface, Fabric.isotropic(**CLOTH))
+    shell.loads.gravity(G * np.array([np.sin(angle), 0.0, -np.cos(angle)]))
+    for edge in ("bottom", "top"):
+        shell.supports.symmetry(edge, (0, 1, 0))
+    stepper = ImplicitNewmark(shell, 0.01)
+    touch = stepper.add(Contact(Body([Segment("limb", [radius] * 3, below(radius))]), mu))
+    ledger = stepper.add(Ledger())
+    ledger.record()
+    stepper.advance(seconds)
+    exact = 0.5 * G * (np.sin(angle) - mu * np.cos(angle)) * seconds**2
+    assert shell.displacements()[:, 0].mean() == pytest.approx(exact, rel=2e-3)
+    assert shell.comm.allreduce(touch.active) == 9
+    assert ledger.record()["momentum_residual"] < 1e-12
+
+
 def test_force_follows_a_body_that_shakes():
     """On a body in harmonic motion the force is m (g + acceleration); the patch goes with it."""
     size, omega, radius = 2e-3, 40.0, 1e3

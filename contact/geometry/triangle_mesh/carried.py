@@ -120,6 +120,39 @@ def turned_with(
 
 
 @kernel(makes_arrays=False)
+def speed_at(
+    v: np.ndarray,
+    rates: np.ndarray,
+    corners: np.ndarray,
+    t: int,
+    x0: float,
+    x1: float,
+    x2: float,
+) -> tuple[float, float, float]:
+    """Velocity [m/s] of a point x that triangle t carries, its vertices moving at rates (nv, 3).
+
+    `add_impulse` is its adjoint.
+    """
+    a0, a1, a2, c0, c1, c2, n0, n1, n2, square = _frame(v, corners, t)
+    i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
+    b1, b2, h = _numbers(
+        a0, a1, a2, c0, c1, c2, n0, n1, n2, square, x0 - v[i, 0], x1 - v[i, 1], x2 - v[i, 2]
+    )  # fmt: skip
+    r0, r1, r2 = rates[i, 0], rates[i, 1], rates[i, 2]
+    d0, d1, d2 = rates[j, 0] - r0, rates[j, 1] - r1, rates[j, 2] - r2
+    e0, e1, e2 = rates[k, 0] - r0, rates[k, 1] - r1, rates[k, 2] - r2
+    m0 = d1 * c2 - d2 * c1 + a1 * e2 - a2 * e1
+    m1 = d2 * c0 - d0 * c2 + a2 * e0 - a0 * e2
+    m2 = d0 * c1 - d1 * c0 + a0 * e1 - a1 * e0
+    along, scale = m0 * n0 + m1 * n1 + m2 * n2, h / np.sqrt(square)
+    return (
+        r0 + b1 * d0 + b2 * e0 + scale * (m0 - along * n0),
+        r1 + b1 * d1 + b2 * e1 + scale * (m1 - along * n1),
+        r2 + b1 * d2 + b2 * e2 + scale * (m2 - along * n2),
+    )
+
+
+@kernel(makes_arrays=False)
 def add_impulse(
     v: np.ndarray,
     corners: np.ndarray,
