@@ -65,9 +65,13 @@ def mark_away(
     fixed: np.ndarray,
     sets: np.ndarray,
     look: np.ndarray,
+    frame: np.ndarray,
+    shift: np.ndarray,
     away: np.ndarray,
 ) -> None:
     """Fill away (n,) float: >= 0 for nodes whose step cannot come near a segment, as most cannot.
+
+    frame, shift (3,) : of the frame in which looks are, see `STEP`
 
     Nodes that are not finite get a number that is not. Loops without branches, with few arrays and
     strides that the compiler knows, which run in vector registers.
@@ -75,12 +79,15 @@ def mark_away(
     place, speed = x.reshape(x.size), v.reshape(v.size)
     p0, p1, p2, clearance, since = look[0], look[1], look[2], look[3], look[4]
     allowed, far = sets[ALLOWED], sets[FAR]
+    o0, o1, o2, s0, s1, s2 = frame[0], frame[1], frame[2], shift[0], shift[1], shift[2]
     for i in range(len(away)):
-        d0, d1, d2 = place[3 * i] - p0[i], place[3 * i + 1] - p1[i], place[3 * i + 2] - p2[i]
+        d0, d1 = place[3 * i] - o0 - p0[i], place[3 * i + 1] - o1 - p1[i]
+        d2 = place[3 * i + 2] - o2 - p2[i]
         away[i] = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
     for i in range(len(away)):
-        v0, v1, v2 = speed[3 * i], speed[3 * i + 1], speed[3 * i + 2]
-        reach = dt * np.sqrt(v0 * v0 + v1 * v1 + v2 * v2)
+        u0, u1 = dt * speed[3 * i] - s0, dt * speed[3 * i + 1] - s1
+        u2 = dt * speed[3 * i + 2] - s2
+        reach = np.sqrt(u0 * u0 + u1 * u1 + u2 * u2)
         away[i] = clearance[i] - away[i] - (path - since[i]) - motion - reach
     for i in range(len(away)):
         left = away[i]

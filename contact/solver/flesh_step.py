@@ -105,7 +105,9 @@ def flesh_kernel(kinetic_coefficient: Callable) -> Any:
         book[:] = 0.0
         impulse[:] = 0.0
         beds[:] = 0.0
-        mark_away(x, v, mass, dt, work.path, work.motion, fixed, sets, look, away)
+        mark_away(
+            x, v, mass, dt, work.path, work.motion, fixed, sets, look, work.frame, work.shift, away
+        )
         forget(away, sets)
         for i in range(len(x)):
             segment, side = -1, sides[i]

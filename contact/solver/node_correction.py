@@ -125,7 +125,7 @@ class NodeCorrection:
         that does not touch it yet and goes by less than `least` [m] in two steps.
         """
         may = np.empty(len(nodes), np.bool_)
-        motion = float(self._work["motion"])
+        motion = float(self._work["motion"]) + float(np.linalg.norm(self._work["shift"]))
         mark_touching(nodes, v, self._away, self.segment, 2.0 * dt, motion, least, may)
         return may
 

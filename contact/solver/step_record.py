@@ -22,6 +22,9 @@ STEP = np.dtype(
         # motion of the body
         ("path", float),  # way of the surfaces in all steps before [m]
         ("motion", float),  # most that any surface point moves in this one [m]
+        # frame in which ways are measured: goes along with a surface of triangles, else at rest
+        ("frame", float, 3),  # its origin at the start of the step [m]
+        ("shift", float, 3),  # its way in this one [m]
         ("thinnest", float),  # smallest inner radius of all segments [m]
         # counts and greatest depths of all nodes
         ("evaluated", np.int64),  # closest points

@@ -23,9 +23,10 @@ from .friction import Friction
 from .node_correction import NodeCorrection
 from .step_record import FAR, LOOK
 from .supporting_planes import PLANE
+from .surface_looks import ROOM
 from .surface_places import SurfacePlaces
 from .surface_planes import PLANES
-from .surface_step import ROOM, surface_kernel
+from .surface_step import surface_kernel
 
 SAME = 1e-6  # of a step, that the end of the last one and the start of this may differ
 
@@ -180,11 +181,12 @@ class SurfaceCorrection(NodeCorrection):
             return
         elif self._end_time is not None and abs(start - self._end_time) < SAME * (end - start):
             places.turn_over()
+            self._work["frame"] += self._work["shift"]
         elif start != self._start_time:
             self._forget()
             places.restart(start)
         if self.surface.moves:
-            self._work["motion"] = places.go_on(start, end)
+            self._work["motion"] = places.go_on(start, end, self._work["shift"])
         self._start_time, self._end_time = start, end
 
     @property
@@ -212,14 +214,16 @@ class SurfaceCorrection(NodeCorrection):
         return self._places.start.vertices
 
     def looks(self) -> tuple[np.ndarray, np.ndarray]:
-        """What steps so far have found, (n, k); way [m], time [s] and `highest` of the surface.
+        """What steps so far have found, (n, k); way [m], time [s] and `highest` of the surface,
+        and the frame (3,) [m].
 
         Whole numbers stand as the floats of the same bits; see `VelocityCorrection.looks`.
         """
         time = np.nan if self._end_time is None else self._end_time
         whole = [self._sets[FAR].view(float), self._near.view(float)]
         table = np.column_stack([self._look.T, self._sheet.T, *whole, self._room])
-        return table, np.array([self._work["path"], time, self._places.highest])
+        frame = self._work["frame"] + self._work["shift"]
+        return table, np.array([self._work["path"], time, self._places.highest, *frame])
 
     def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
         """Continue from `looks()`."""
@@ -228,7 +232,8 @@ class SurfaceCorrection(NodeCorrection):
             table[:, 2 * LOOK : 2 * LOOK + 2].T
         ).view(np.int64)
         self._room[:] = table[:, 2 * LOOK + 2 :]
-        self._work["path"], time, highest = body.tolist()
+        self._work["path"], time, highest, *frame = body.tolist()
+        self._work["frame"], self._work["shift"] = frame, 0.0
         if not np.isnan(time):
             if self._places.mesh is None:
                 self._places.begin(time)

@@ -79,8 +79,11 @@ class SurfacePlaces:
         """Let the end of a step be the start of the next."""
         self.start, self.end, self.time = self.end, self.start, self._end_time
 
-    def go_on(self, start: float, end: float) -> float:
-        """Place the end of a step, in the boxes of its start as long as that does; its way [m].
+    def go_on(self, start: float, end: float, shift: np.ndarray) -> float:
+        """Place the end of a step, in the boxes of its start as long as that does.
+
+        Returns the greatest way [m] of a vertex as seen from a frame that goes along with the
+        body, by shift (3,) [m], which is filled.
 
         Raises
         ------
@@ -90,7 +93,7 @@ class SurfacePlaces:
         placed, before = self.end, self.start
         self._surface.positions(end, placed.vertices)
         self._end_time = end
-        way = greatest_move(before.vertices, placed.vertices)
+        way, motion = greatest_move(before.vertices, placed.vertices, shift)
         placed.known[:] = False
         placed.grown[0] = before.grown[0] + way
         if not placed.grown[0] <= GROWN:
@@ -102,7 +105,7 @@ class SurfacePlaces:
                 f"the surface of {names} jumps by {way:.3g} m between t = {start:.6g} and "
                 f"{end:.6g} s; give it a motion that goes there, or place it before the first step"
             )
-        return way
+        return motion
 
     def _find_sharp(self):
         """Triangles over which normals turn too far to be those of a smooth surface."""

@@ -10,10 +10,8 @@ A node near the surface also asks how far the closest triangle is that faces ano
 but one sheet, a graph over its tangent plane, is within that distance, and until it is used up the
 node is followed from triangle to triangle (smooth.py) without asking the tree.
 
-A followed node that is too far from its sheet for this step has room: part of its distance, and
-where it is seen from the triangle under it. Until the node has moved, and the triangle turned and
-stretched, by that much, looked at from the end of a step, nothing else is asked; and nothing at all
-before both may have gone as far as what is left.
+What nodes keep of that from step to step, and the room of those that go along with the body, is in
+surface_looks.py.
 """
 
 from collections.abc import Callable
@@ -32,8 +30,9 @@ from contact.geometry.triangle_mesh.closest import (
 from contact.geometry.triangle_mesh.smooth import smooth_gap
 from contact.kernel import kernel
 
-from .broad_phase import clearance_left, mark_away
+from .broad_phase import mark_away
 from .step_record import ALLOWED, FAR, SEGMENT_TOUCHED
+from .surface_looks import keep_room, room_left, set_look, set_look_ahead, still_left
 from .surface_node import surface_node_kernel
 from .surface_planes import gap_at
 
@@ -41,7 +40,6 @@ ROUNDOFF = 1e-12  # m, of a distance
 SHEET = 0.025  # m: how far around a node near the surface it is looked for other sheets, at least
 FACING = 0.5  # cosine of the angle between normals of one sheet, at least
 KEPT = 64.0  # steps: a distance that lasts so long is worth that the sheet is forgotten
-ROOM = 10  # numbers kept: room [m]; from a corner of the triangle the node and the others (9) [m]
 PART = 0.5  # of a distance, that is room: normals of neighbours may turn too
 WORTH = 1e-5  # m, of room, to be kept
 FARTHEST = 4.0  # rooms, from its sheet, of a node that has some left
@@ -75,43 +73,6 @@ def followed(
 
 
 @kernel(makes_arrays=False)
-def set_look(
-    look: np.ndarray, i: int, x0: float, x1: float, x2: float, left: float, path: float
-) -> None:
-    """Let node i be `left` [m] from something at x, where surfaces had gone `path` [m]."""
-    look[0, i], look[1, i], look[2, i], look[3, i], look[4, i] = x0, x1, x2, left, path
-
-
-@kernel(makes_arrays=False)
-def keep_room(
-    mesh: Any, placed: Any, t: int, x0: float, x1: float, x2: float, room: float, kept: np.ndarray
-) -> None:
-    """Fill what is kept (ROOM,) of a node at x over triangle t that has `room` [m] before it."""
-    v, corners = placed.vertices, mesh.triangles
-    i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
-    kept[0] = room
-    kept[1], kept[2], kept[3] = x0 - v[i, 0], x1 - v[i, 1], x2 - v[i, 2]
-    kept[4], kept[5], kept[6] = v[j, 0] - v[i, 0], v[j, 1] - v[i, 1], v[j, 2] - v[i, 2]
-    kept[7], kept[8], kept[9] = v[k, 0] - v[i, 0], v[k, 1] - v[i, 1], v[k, 2] - v[i, 2]
-
-
-@kernel(makes_arrays=False)
-def room_left(
-    mesh: Any, placed: Any, t: int, x0: float, x1: float, x2: float, kept: np.ndarray
-) -> float:
-    """What is left [m] of the room of a node that is at x now, seen from the triangle."""
-    v, corners = placed.vertices, mesh.triangles
-    i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
-    o0, o1, o2 = v[i, 0], v[i, 1], v[i, 2]
-    d0, d1, d2 = x0 - o0 - kept[1], x1 - o1 - kept[2], x2 - o2 - kept[3]
-    e0, e1, e2 = v[j, 0] - o0 - kept[4], v[j, 1] - o1 - kept[5], v[j, 2] - o2 - kept[6]
-    f0, f1, f2 = v[k, 0] - o0 - kept[7], v[k, 1] - o1 - kept[8], v[k, 2] - o2 - kept[9]
-    gone = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
-    turned = np.sqrt(e0 * e0 + e1 * e1 + e2 * e2) + np.sqrt(f0 * f0 + f1 * f1 + f2 * f2)
-    return kept[0] - gone - turned
-
-
-@kernel(makes_arrays=False)
 def other_sheet(
     mesh: Any,
     placed: Any,
@@ -138,7 +99,7 @@ def other_sheet(
     if t >= 0:
         limit = np.sqrt(square)
     work.evaluated += 1
-    set_look(sheet, i, x0, x1, x2, limit, work.path)
+    set_look(sheet, i, x0, x1, x2, limit, work)
     return limit - work.motion
 
 
@@ -170,7 +131,9 @@ def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_no
             impulse[:] = 0.0
         work.evaluated, work.active, work.sticking, work.pinched = 0, 0, 0, 0
         work.max_depth = work.pinch_depth = 0.0
-        mark_away(x, v, mass, dt, work.path, work.motion, fixed, sets, look, away)
+        mark_away(
+            x, v, mass, dt, work.path, work.motion, fixed, sets, look, work.frame, work.shift, away
+        )
         for i in range(len(x)):
             if away[i] >= 0.0:
                 sets[SEGMENT_TOUCHED, i] = -1
@@ -183,19 +146,21 @@ def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_no
             if fixed[i] or sets[ALLOWED, i] == 0:
                 continue
             x0, x1, x2, asked = x[i, 0], x[i, 1], x[i, 2], sets[ALLOWED, i]
-            reach = dt * np.sqrt(v[i, 0] ** 2 + v[i, 1] ** 2 + v[i, 2] ** 2) + work.motion
+            u0, u1, u2 = dt * v[i, 0], dt * v[i, 1], dt * v[i, 2]
+            y0, y1, y2 = x0 + u0, x1 + u1, x2 + u2
+            u0, u1, u2 = u0 - work.shift[0], u1 - work.shift[1], u2 - work.shift[2]
+            reach = np.sqrt(u0 * u0 + u1 * u1 + u2 * u2) + work.motion
             needed = work.offset + work.recovery + reach
             left = -1.0
             if smooth and asked & ~sets[FAR, i] == 0 and last[i] >= 0:
-                left = clearance_left(x, i, work.path, work.motion, sheet)
+                left = still_left(sheet, i, x0, x1, x2, work)
             local = known = other = False
             if left > needed:
                 if room[i, 0] > 0.0 and left > needed + reach + min(FARTHEST * room[i, 0], NEARBY):
-                    y0, y1, y2 = x0 + dt * v[i, 0], x1 + dt * v[i, 1], x2 + dt * v[i, 2]
                     rest = room_left(mesh, end, last[i], y0, y1, y2, room[i])
                     if rest > 0.0:
                         rest = min(rest + 0.5 * room[i, 0], left - needed)
-                        set_look(look, i, y0, y1, y2, rest, work.path + work.motion)
+                        set_look_ahead(look, i, y0, y1, y2, rest, work)
                         continue
                 lead = followed(mesh, start, last[i], x0, x1, x2)
                 found, near = lead[:8], max(abs(lead[3]), lead[8])
@@ -218,14 +183,14 @@ def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_no
                     continue
                 last[i], sets[FAR, i] = t, asked
                 look[3, i] = -1.0
-                set_look(sheet, i, x0, x1, x2, -1.0, work.path)
+                set_look(sheet, i, x0, x1, x2, -1.0, work)
                 clear = np.sqrt(square) - highest - work.offset - ROUNDOFF
                 lasts = clear > KEPT * reach
                 if clear > reach and not lasts:
                     found = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
                     lasts = not found[7]
                 if lasts and is_outside(mesh, start, t, x0, x1, x2):
-                    set_look(look, i, x0, x1, x2, clear, work.path)
+                    set_look(look, i, x0, x1, x2, clear, work)
                     continue
                 found = gap_at(mesh, start, smooth, asked, t, square, x0, x1, x2)
                 flat = np.sqrt(square)
@@ -253,11 +218,10 @@ def surface_kernel(kinetic_coefficient: Callable, of_node: Callable = surface_no
             if gap > reach and not other:
                 if roomy:
                     rest = min(1.5 * PART * gap, left - work.offset - work.recovery)
-                    set_look(look, i, x0, x1, x2, rest, work.path)
+                    set_look(look, i, x0, x1, x2, rest, work)
                 continue
             if roomy and local:
                 # so near that it might touch, but it goes along with the triangle under it
-                y0, y1, y2 = x0 + dt * v[i, 0], x1 + dt * v[i, 1], x2 + dt * v[i, 2]
                 if room_left(mesh, end, found[0], y0, y1, y2, room[i]) > 0.0:
                     continue
             for c in range(3):

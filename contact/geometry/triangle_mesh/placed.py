@@ -70,9 +70,11 @@ def refit(mesh: Any, placed: Any) -> None:
 
 
 @kernel(makes_arrays=False)
-def greatest_move(before: np.ndarray, after: np.ndarray) -> float:
-    """Greatest way [m] of any vertex (nv, 3), not a number where one has none."""
-    most = 0.0
+def greatest_move(before: np.ndarray, after: np.ndarray, shift: np.ndarray) -> tuple[float, float]:
+    """Greatest way [m] of any vertex (nv, 3), not a number where one has none, and a bound of it
+    as seen from a frame that goes by `shift` (3,) [m], filled: the middle of all ways."""
+    most, low0, low1, low2 = 0.0, np.inf, np.inf, np.inf
+    high0 = high1 = high2 = -np.inf
     for i in range(len(before)):
         d0 = after[i, 0] - before[i, 0]
         d1 = after[i, 1] - before[i, 1]
@@ -80,7 +82,14 @@ def greatest_move(before: np.ndarray, after: np.ndarray) -> float:
         square = d0 * d0 + d1 * d1 + d2 * d2
         if not square <= most:
             most = square
-    return np.sqrt(most)
+        low0, high0 = d0 if d0 < low0 else low0, d0 if d0 > high0 else high0
+        low1, high1 = d1 if d1 < low1 else low1, d1 if d1 > high1 else high1
+        low2, high2 = d2 if d2 < low2 else low2, d2 if d2 > high2 else high2
+    shift[0], shift[1], shift[2] = (
+        0.5 * (low0 + high0), 0.5 * (low1 + high1), 0.5 * (low2 + high2)
+    )  # fmt: skip
+    a0, a1, a2 = high0 - low0, high1 - low1, high2 - low2
+    return np.sqrt(most), 0.5 * np.sqrt(a0 * a0 + a1 * a1 + a2 * a2)
 
 
 @kernel(makes_arrays=False)

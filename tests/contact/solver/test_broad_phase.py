@@ -98,9 +98,9 @@ def test_a_measurement_says_how_far_the_others_are():
         left = clearance_left(moved, 0, 1.001, motion, look)
         assert left == pytest.approx(clearance - 0.005 - 0.001 - motion, abs=1e-15)
         # all nodes at once say the same of a step of 2 mm; a fixed node needs no clearance
-        away, v = np.empty(1), np.array([[2.0, 0.0, 0.0]])
+        away, v, still = np.empty(1), np.array([[2.0, 0.0, 0.0]]), np.zeros((2, 3))
         for fixed in (False, True):
-            given = np.ones(1), dt, 1.001, motion, np.array([fixed]), sets, look, away
+            given = np.ones(1), dt, 1.001, motion, np.array([fixed]), sets, look, *still, away
             mark_away(moved, v, *given)
             assert (away[0] >= 0.0) == (fixed or (left >= 0.002 and far.all()))
         seen.add(far.sum())

@@ -27,7 +27,7 @@ def full_look(monkeypatch):
     play(None, 0, np.inf, 2)
 
     @kernel
-    def none_away(x, v, mass, dt, path, motion, fixed, sets, look, away):
+    def none_away(x, v, mass, dt, path, motion, fixed, sets, look, frame, shift, away):
         away[:] = -1.0
 
     @kernel
