@@ -76,11 +76,8 @@ def sensitivity(friction, angle):
     return friction * angle * (1 + friction**2)
 
 
-def belt_alone(cells, radius=0.1, angle=np.pi, sides=True):
-    """Shell of a belt with `cells` on an arc [rad], and where its two ends draw (2, 3).
-
-    sides : whether its sides are held in their planes
-    """
+def belt_alone(cells, radius=0.1, angle=np.pi):
+    """Shell of a belt with `cells` on an arc [rad], and where its two ends draw (2, 3)."""
     rho = radius + 5e-4
     arc = angle * rho
 
@@ -102,7 +99,7 @@ def belt_alone(cells, radius=0.1, angle=np.pi, sides=True):
     shell = Shell(surface, Fabric.from_stiffness(1e4 * plane, 1e-6 * plane, 0.2, 1e-3), COMM)
     half = 0.5 * angle
     out = np.array([[-np.cos(half), 0.0, -np.sin(half)], [np.cos(half), 0.0, -np.sin(half)]])
-    for edge in ("bottom", "top") if sides else ():
+    for edge in ("bottom", "top"):
         shell.supports.symmetry(edge, (0, 1, 0))
     shell.loads.line("left", HELD / WIDTH * out[0], lambda t: min(1.0, t / 0.02))
     shell.supports.hold("right")

@@ -114,11 +114,10 @@ class ImplicitContact(RunningContact):
         thin = refusal(names, shapes_met, span, sheet.mean_cell_size, offset)
         if thin is not None:
             raise ValueError(thin)
-        kernels = self._obstacle.kernels
+        self._kernels = self._obstacle.kernels
         self._friction, self._recovery = as_friction(friction), float(recovery)
         self._step = step_record(self._friction, offset)
         coefficient = self._friction.kinetic_coefficient
-        self._locate, self._kernels = kernels.locate, kernels
         self._judge = active_set.judge_kernel(coefficient)
         self._push = held_nodes.push_kernel(coefficient)
         self._changed = np.zeros(n, bool)
@@ -159,7 +158,7 @@ class ImplicitContact(RunningContact):
         held_nodes.take(self._kept, self._set)
         self._step["dt"], self._step["recovery"] = dt, self._recovery * dt
         work, changed = self._step[0], self._changed
-        _, self.max_depth = self._locate(True, x0, x0, changed, work, world, self._set)
+        _, self.max_depth = self._kernels.locate(True, x0, x0, changed, work, world, self._set)
         for k in range(ROUNDS):
             self._constrain(stepper)
             self.seconds += time.perf_counter() - clock
@@ -172,7 +171,7 @@ class ImplicitContact(RunningContact):
             total, most = total + done.iterations, max(most, done.iterations)
             x1 = stepper.points + stepper.owned[:, :3]
             soft = self._judge(x1, eq.contact_force(), self._least, changed, work, self._set)
-            changes, gap = self._locate(False, x0, x1, changed, work, world, self._set)
+            changes, gap = self._kernels.locate(False, x0, x1, changed, work, world, self._set)
             changes = comm.allreduce(changes)
             gap, soft = comm.allreduce(gap, MPI.MAX), comm.allreduce(soft, MPI.MAX)
             if not changes and gap <= self._near and (soft <= SOFT or k >= SOFTER):

@@ -59,7 +59,7 @@ def patch(body, dt, friction=0.3, gravity=(0.0, 0.0, -G), size=0.02, cells=2, **
 @pytest.mark.parametrize("slope", [0.4, 0.6])
 def test_patch_on_an_incline(slope):
     """mu = 0.5: below it sticks for good, above it slides by (sin - mu cos) g t^2/2."""
-    mu, angle, seconds = 0.5, np.arctan(slope), 0.3
+    mu, angle, seconds = 0.5, np.arctan(slope), 0.2
     down = G * np.array([np.sin(angle), 0.0, -np.cos(angle)])
     stepper, touch = patch(slab(Fixed()), 0.01, mu, down)
     stepper.advance(0.1 * seconds)
@@ -90,9 +90,9 @@ def test_force_follows_a_body_that_shakes():
     stepper, touch = patch(slab(motion), 1e-3)
     comm = stepper.shell.comm
     mass = comm.allreduce(stepper.mass.sum())
-    stepper.advance(0.1)  # what meets the body at its speed is stopped on it
+    stepper.advance(0.05)  # what meets the body at its speed is stopped on it
     forces, exact = [], []
-    for _ in range(40):
+    for _ in range(25):
         stepper.step(1e-3)
         forces.append(comm.allreduce(touch.last.impulse[:, 2].sum()) / 1e-3)
         middle = stepper.time - 0.5e-3
@@ -115,7 +115,7 @@ def test_stays_on_a_turning_slab():
 
 
 @pytest.mark.serial
-@pytest.mark.parametrize("speed", [1.0, 20.0])
+@pytest.mark.parametrize("speed", [pytest.param(1.0, marks=pytest.mark.thorough), 20.0])
 def test_impact_of_a_patch(speed):
     """Nothing passes through, momentum is exact, energy does not grow, whatever the step."""
     surface = meshes.rectangle(0.04, 0.04, (4, 4)).transform(translation=(-0.02, -0.02, 0.01))
@@ -210,7 +210,7 @@ def sheet(comm, shapes=()):
     stepper = ImplicitNewmark(shell, 2e-3, alpha=-0.3, drag=5.0)
     body, skin = skinned()
     if shapes:
-        body = Body([*body.segments, Segment("knee", [0.1] * 3, Fixed((-0.1, 0.0, -0.1)))])
+        body = Body([*body.segments, Segment("knee", [0.1] * 3, Fixed((-0.123, -0.04, -0.1)))])
     return stepper, stepper.add(Contact(body, 0.3, surface=skin, shapes=shapes))
 
 
@@ -222,7 +222,7 @@ def test_momentum_and_virtual_power_close(shapes):
     ledger = stepper.add(Ledger())
     ledger.record()
     pose, powers, works, both = body.new_pose(), [], [], np.zeros(len(body))
-    for _ in range(20):
+    for _ in range(12):
         stepper.step(2e-3)
         table = comm.allreduce(contact.last.table)
         impulse = comm.allreduce(contact.last.impulse.sum(axis=0))

@@ -31,6 +31,14 @@ def test_the_table(tmp_path, capsys):
     assert augmented["depth [mm]"] < 1e-3 < 0.05 < limp["depth [mm]"]
 
 
+@pytest.mark.thorough
+def test_an_active_set_gets_through_the_belt():
+    """In implicit steps of 2 ms; its quick twin is test_friction_gives_no_energy."""
+    row = implicit.run("capstan", None, 0)
+    assert abs(row["error %"]) < 1
+    assert row["depth [mm]"] < 1e-6
+
+
 def test_a_run_that_does_not_end_says_so(monkeypatch):
     monkeypatch.setattr(implicit, "MOST_SOLVES", 2)
     row = implicit.run("sleeve", 1e7, 0)

@@ -6,10 +6,10 @@ import pytest
 
 from contact.body.segments import Body, Fixed, Segment, Steady, turned
 from contact.geometry.capsule import Capsule
-from contact.solver.active_set import begin, judge_kernel
+from contact.solver.active_set import judge_kernel
 from contact.solver.friction import Friction
 from contact.solver.held_nodes import SLIP, STICK, new
-from contact.solver.segment_motion import segment_records, set_motion
+from contact.solver.segment_obstacle import SegmentObstacle
 from contact.solver.step_record import step_record
 from contact.solver.thin_segments import refusal
 from contact.solver.velocity_correction import VelocityCorrection
@@ -134,22 +134,28 @@ def test_implicit_contact_holds_nodes_on_a_bar():
     """A node carried on a turning bar stays on its skin; one with too much slope slips."""
     law, dt = Friction(0.5, 0.4), 0.01
     body = Body([Segment("bar", BAR, Steady(spin=(0.3, 0.0, 0.0), velocity=(0.0, 0.1, 0.0)))])
-    start, end = body.new_pose(0.0), body.new_pose(dt)
-    segments, step = segment_records(body), step_record(law, 1e-3)
+    end, step, obstacle = body.new_pose(dt), step_record(law, 1e-3), SegmentObstacle(body, 1e-3)
     step["dt"], step["recovery"] = dt, 1e-3
-    set_motion(start.centres, start.axes, end.centres, end.axes, 1e-3, segments)
-    x0, nodes = np.array([[0.1, 0.0, 0.051], [-0.1, 0.0, 0.051]]), new(2)
+    obstacle.move(0.0, dt)
+    x0, nodes, changed = (
+        np.array([[0.1, 0.0, 0.051], [-0.1, 0.0, 0.051]]),
+        new(2),
+        np.zeros(2, bool),
+    )
     nodes.state[:] = STICK
-    nodes.owner[:, 0] = 0
-    assert begin(x0, segments, step[0], nodes) < 1e-15
+    nodes.owner[:, 0], nodes.over[:, 0] = 0, -1
+    given = changed, step[0], obstacle.world, nodes
+    assert obstacle.kernels.locate(True, x0, x0, *given)[1] < 1e-15
     assert np.abs(axis_distance(nodes.anchor, end, BAR) - 1e-3).max() < 1e-15
     normal = nodes.normal[0, 0].copy()
     across = np.array([1.0, 0.0, 0.0])
     force = np.array([normal + 0.49 * across, normal + 0.6 * across])
     judge = judge_kernel(law.kinetic_coefficient)
-    changes, _, _ = judge(x0, nodes.anchor.copy(), force, np.ones(2), segments, step[0], nodes)
-    assert changes == 1 and nodes.state.tolist() == [STICK, SLIP]
-    assert nodes.load[1] == pytest.approx(0.4 * np.sign(nodes.load[1, 0]) * across, abs=1e-15)
+    x1 = nodes.anchor.copy()
+    judge(x1, force, 1e-9, changed, step[0], nodes)
+    assert obstacle.kernels.locate(False, x0, x1, *given)[0] == 1
+    assert nodes.state.tolist() == [STICK, SLIP] and changed.tolist() == [False, True]
+    assert nodes.cone[1] == pytest.approx(0.4, abs=1e-15)
 
 
 def test_semi_axes_are_only_those_of_ellipsoids():

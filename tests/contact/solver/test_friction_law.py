@@ -12,13 +12,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from contact.body.segments import Body, Fixed, Segment
 from contact.kernel import kernel
 from contact.solver.active_set import judge_kernel
-from contact.solver.contact_ledger import BOOKED, FRICTION
 from contact.solver.friction import Friction, as_friction
 from contact.solver.held_nodes import SLIP, STICK, SolvedStep, new, push_kernel
-from contact.solver.segment_motion import segment_records, set_motion
+from contact.solver.slip_friction import slip_friction
 from contact.solver.step_record import step_record
 from contact.solver.velocity_correction import VelocityCorrection
 from tests.contact.solver.bodies import G, spheres
@@ -104,52 +102,60 @@ def test_the_law_may_change_between_steps():
     assert slowed == pytest.approx(0.01 * np.array(expected), rel=1e-9)
 
 
-def held_on_a_plain(law, state, dt):
-    """Segments, step and set of one node that slips or sticks on a plain."""
-    body = Body([Segment("plain", [PLAIN] * 3, Fixed((0.0, 0.0, -PLAIN)))])
-    pose, segments, step = body.new_pose(), segment_records(body), step_record(law, 0.0)
+def held_on_a_plain(law, dt):
+    """Step and set of one node that slips on a plain."""
+    step, nodes = step_record(law, 0.0), new(1)
     step["dt"] = dt
-    set_motion(pose.centres, pose.axes, pose.centres, pose.axes, 0.0, segments)
-    nodes = new(1)
-    nodes.state[:], nodes.owner[:, 0], nodes.normal[:, 0, 2] = state, 0, 1.0
-    return segments, step[0], nodes, pose
+    nodes.state[:], nodes.owner[:, 0], nodes.normal[:, 0, 2] = SLIP, 0, 1.0
+    return step[0], nodes
 
 
 def test_implicit_steps_push_with_the_same_law():
     """One solved step: the impulse is mu(v) of the normal one, and its loss is booked."""
     dt, mass, speed, zero = 0.01, np.array([0.3]), 0.4, np.zeros((1, 3))
-    segments, work, nodes, pose = held_on_a_plain(LAW, SLIP, dt)
+    work, nodes = held_on_a_plain(LAW, dt)
     v = np.array([[speed, 0.0, -G * dt]])
     solved = SolvedStep(zero, v, np.array([[speed, 0.0, 0.0]]), zero, dt * v, zero, mass)
-    impulse, book, pushed = np.zeros((1, 3)), np.zeros((1, BOOKED)), np.zeros((1, 3))
+    impulse, pushed = np.zeros((1, 3)), np.zeros((1, 3))
+    surface, impulses, energies = (np.zeros((1, 3, 3)) for _ in range(3))
     push = push_kernel(LAW.kinetic_coefficient)
-    held = push(
-        solved, pose.velocities, pose.spins, segments, work, nodes.state, nodes, impulse, book,
-        pushed,
-    )  # fmt: skip
+    held = push(solved, surface, work, nodes.state, nodes, impulse, impulses, energies, pushed)
     assert held == (1, 0)
     mu = LAW.at(speed)
     assert impulse[0] == pytest.approx(0.3 * G * dt * np.array([-mu, 0.0, 1.0]), abs=1e-15)
+    assert impulses[0, 0] == pytest.approx(impulse[0], abs=1e-18)
     assert v[0] == pytest.approx([speed - mu * G * dt, 0.0, 0.0], abs=1e-15)
     loss = 0.3 * mu * G * dt * (speed - 0.5 * mu * G * dt)
-    assert book[0, FRICTION] == pytest.approx(loss, rel=1e-12)
+    assert energies[0, 0, 1] == pytest.approx(loss, rel=1e-12)
 
 
-def test_implicit_steps_load_slipping_nodes_with_the_same_law():
-    """The return map: friction against the way of the step, mu(way / dt) of the normal force."""
-    dt, way = 0.01, 3e-3
-    judge = judge_kernel(LAW.kinetic_coefficient)
-    segments, work, nodes, _ = held_on_a_plain(LAW, SLIP, dt)
-    x1, pull = np.array([[way, 0.0, 0.0]]), np.array([1e5])
-    reaction = np.array([[0.0, 0.0, 2.0]])
-    judge(np.zeros((1, 3)), x1, reaction, pull, segments, work, nodes)
-    assert nodes.state[0] == SLIP
-    assert nodes.load[0] == pytest.approx([-2.0 * LAW.at(way / dt), 0.0, 0.0], rel=1e-6, abs=1e-8)
-    # too slow to need all of it: sticks
-    x1[0, 0] = 1e-6
-    nodes.load[:] = 0.0
-    judge(np.zeros((1, 3)), x1, reaction, pull, segments, work, nodes)
-    assert nodes.state[0] == STICK
+def test_implicit_steps_rub_slipping_nodes_with_the_same_law():
+    """Friction against the way of the step, mu(way / dt) of the normal force; its slope."""
+    dt, way, least = 0.01, 3e-3, 1e-5
+    judge, (work, nodes) = judge_kernel(LAW.kinetic_coefficient), held_on_a_plain(LAW, dt)
+    changed, reaction = np.zeros(1, bool), np.array([[0.0, 0.0, 2.0]])
+    judge(np.array([[way, 0.0, 0.0]]), reaction, least, changed, work, nodes)
+    assert nodes.state[0] == SLIP and not changed[0]
+    assert nodes.cone[0] == pytest.approx(2.0 * LAW.at(way / dt), rel=1e-12)
+
+    def rubbed(x, y, z=0.0):
+        force, stiffness = np.zeros((1, 3)), np.zeros((1, 3, 3))
+        owned = np.array([[x, y, z, 0.0, 0.0, 0.0]])
+        axes, held = np.eye(3)[None], np.array([[False, False, True]])
+        slip_friction(np.zeros((1, 3)), owned, nodes, axes, held, least, force, stiffness)
+        return force[0], stiffness[0]
+
+    for x, y in ((way, 0.0), (2e-3, -1e-3), (4e-6, 3e-6)):
+        force, stiffness = rubbed(x, y, 1e-3)
+        size = max(np.hypot(x, y), least)
+        assert force == pytest.approx(-nodes.cone[0] * np.array([x, y, 0.0]) / size, rel=1e-12)
+        for k, step in enumerate(1e-4 * least * np.eye(2)):
+            ahead, behind = rubbed(x + step[0], y + step[1]), rubbed(x - step[0], y - step[1])
+            slope = (behind[0] - ahead[0]) / (2e-4 * least)
+            assert slope == pytest.approx(stiffness[k], abs=1e-6 * nodes.cone[0] / least)
+    # it has not moved: sticks
+    judge(np.array([[0.9 * least, 0.0, 0.0]]), reaction, least, changed, work, nodes)
+    assert nodes.state[0] == STICK and changed[0]
 
 
 @kernel
