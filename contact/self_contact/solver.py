@@ -12,8 +12,9 @@ computed does not depend on when pairs were listed: a run that is gone on with n
 Where nodes touch a body as well, the body says what it makes of the velocities (`respond`). Nodes
 that it holds are then fixed in the sweeps, those that slide on it move along it only; body and
 sweeps take turns until the body changes nothing any more. Where they do not agree, as of layers
-that two parts of the body leave no room, impulses that would give energy are replaced by such that
-only take it.
+that two parts of the body leave no room, impulses without an end, or that would give energy, are
+replaced by such that only take it; and when the body has had its turn, layers that it pushes into
+each other have the last word (`keep_apart`).
 """
 
 from collections.abc import Callable
@@ -25,7 +26,7 @@ from contact.solver.friction import Friction
 from .boxes import members_of
 from .broad_phase import list_pairs
 from .features import Features
-from .row_impulses import book, speed_up, spread, wake
+from .row_impulses import book, bound_closing, speed_up, spread, wake
 from .rows import MARGIN, ROW, find_rows
 from .sweeps import LEFT, turn_kernel
 from .trust_region import TrustRegion, groups_of
@@ -35,6 +36,7 @@ TURNS = 6  # of the body, at most
 LEFT_BY_BODY = 1e-2  # as LEFT: what a turn of the body may change
 SKIN = 0.4  # of the mean size of the cells: pairs within it are listed
 STALE = 0.5  # of the skin: groups that have used it up are listed anew with others
+CLOSING, LEAST_GAP = 0.5, 0.1  # of a way, a step; of the thickness, what is left: `keep_apart`
 NEAR = 8.0  # part of the skin within which pairs are gone through in every step
 
 # nodes (k,) that touch a body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves
@@ -66,6 +68,7 @@ class SelfContactSolver:
     rows : (k,) ROW of the last step
     listed : int, pairs on the list; listings : int, times that it was made
     sweeps : int, in the last step; limited : int, steps that ended with more than LEFT
+    parted : int, steps in which layers were kept from passing that a body pushed
     closest : float [m], least distance of any row so far over the thickness it has to keep, or more
     """
 
@@ -101,7 +104,8 @@ class SelfContactSolver:
         )
         self._work = np.empty_like(self._rest), np.empty_like(self._rest)
         self._solved = True
-        self.listings = self.sweeps = self.limited = 0
+        self._last = np.zeros(64, ROW)
+        self.listings = self.sweeps = self.limited = self.parted = 0
         self.closest = np.inf
 
     @property
@@ -170,9 +174,46 @@ class SelfContactSolver:
         """
         return self.rows if self._solved else self.rows[:0]
 
-    def book(self, before: np.ndarray, after: np.ndarray, losses: np.ndarray) -> None:
-        """Add what pushes and friction took to losses (2,) [J], see `row_impulses.book`."""
+    def keep_apart(self, v: np.ndarray, dt: float) -> np.ndarray | None:
+        """Rows (k,) ROW of what keeps layers from passing that a body pushes, None where none is.
+
+        v : (n, 3), velocities when body and layers have had their say [m/s]
+
+        Layers that have passed are never parted; a node in the body is moved out later. So no pair
+        closes by more than CLOSING of what lies between it and LEAST_GAP. Each sweep is a
+        projection as in `_stop`, which v = 0 fulfils: energy is only taken.
+        """
+        rows, last = self.rows, self._last
+        if len(last) < len(rows):
+            last = self._last = np.zeros(2 * len(rows), ROW)
+        last = last[: len(rows)]
+        least = LEAST_GAP * self._thickness
+        if not bound_closing(rows, v, least, CLOSING, dt, last):
+            return None
+        one_turn = turn_kernel(self.friction.kinetic_coefficient)
+        now, swept = self._work
+        now[:] = v
+        one_turn(
+            last, now, self.mobility, self._mass, *NO_BODY, swept, 0, 0.0, 0.0,
+            np.zeros(len(self.friction.parameters)), SWEEPS, LEFT_BY_BODY,
+        )  # fmt: skip
+        self.parted += 1
+        return last
+
+    def book(
+        self,
+        before: np.ndarray,
+        after: np.ndarray,
+        losses: np.ndarray,
+        last: np.ndarray | None = None,
+    ) -> None:
+        """Add what pushes and friction took to losses (2,) [J], see `row_impulses.book`.
+
+        last : rows of `keep_apart`, which the next step does not begin with
+        """
         book(self.rows, before, after, losses)
+        if last is not None:
+            book(last, before, after, losses)
 
     def restore(self, rows: np.ndarray) -> None:
         """Go on from the rows (k,) ROW of a step before."""
@@ -247,7 +288,11 @@ class SelfContactSolver:
             self.limited += left <= LEFT * scale
         self._solved = bool(left <= LEFT * scale)
         self.limited += not self._solved
-        if self.limited > limited and respond is not None and self._gains(v, respond):
+        if (
+            self.limited > limited
+            and respond is not None
+            and (not self._solved or self._gains(v, respond))
+        ):
             self._solved = False
             self._stop(v, one_turn)
 
