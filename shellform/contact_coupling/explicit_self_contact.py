@@ -93,15 +93,15 @@ class ExplicitSelfContact(Part):
     @property
     def friction(self) -> Friction:
         """Its law; may be changed between steps."""
-        return self.solver.friction
+        return self.solver.relaxation.friction
 
     @friction.setter
     def friction(self, value: Any) -> None:
-        self.solver.friction = as_friction(value)
+        self.solver.relaxation.friction = as_friction(value)
 
     @property
     def limited(self) -> int:
-        return self.solver.limited
+        return self.solver.relaxation.limited
 
     @property
     def listings(self) -> int:
@@ -247,4 +247,4 @@ class ExplicitSelfContact(Part):
         self.losses[:] = state["self_contact_losses"]
         most, limited, listings, closest = state["self_contact_counts"].tolist()
         self.most_pairs, self.solver.closest = int(most), closest
-        self.solver.limited, self.solver.listings = int(limited), int(listings)
+        self.solver.relaxation.limited, self.solver.listings = int(limited), int(listings)
