@@ -115,3 +115,27 @@ def book(rows: np.ndarray, before: np.ndarray, after: np.ndarray, losses: np.nda
                 rubbed -= row.rub[1] * row.sliding[1, a, c] * mean
     losses[0] += pressed
     losses[1] += rubbed
+
+
+@kernel(makes_arrays=False)
+def bound_closing(
+    rows: np.ndarray, v: np.ndarray, least: float, part: float, dt: float, last: np.ndarray
+) -> int:
+    """Fill last (k,) ROW with rows (k,) ROW, without impulses, that close by a part of their way.
+
+    v : (n, 3), velocities when all have had their say [m/s]; least : distance that is left [m]
+
+    Returns how many close faster than that in a step of dt [s].
+    """
+    count = 0
+    for k in range(len(rows)):
+        last[k] = rows[k]
+        row = last[k]
+        row.push, row.rub[0], row.rub[1] = 0.0, 0.0, 0.0
+        row.bound = min(0.0, -part * (row.distance - least) / dt)
+        apart = 0.0
+        for a in range(4):
+            for c in range(3):
+                apart += row.weights[a] * row.normal[c] * v[row.nodes[a], c]
+        count += apart < row.bound - 1e-9
+    return count

@@ -8,15 +8,7 @@ travels more than half of what lay between it and anything else when that was me
 
 Rows come in the order of their keys and take over impulses of the last step by them, so what is
 computed does not depend on when pairs were listed: a run that is gone on with needs the rows alone.
-
-Where nodes touch a body as well, the body says what it makes of the velocities (`respond`). Nodes
-that it holds are then fixed in the sweeps, those that slide on it move along it only; body and
-sweeps take turns until the body changes nothing any more. Where they do not agree, as of layers
-that two parts of the body leave no room, impulses that would give energy are replaced by such that
-only take it.
 """
-
-from collections.abc import Callable
 
 import numpy as np
 
@@ -25,23 +17,15 @@ from contact.solver.friction import Friction
 from .boxes import members_of
 from .broad_phase import list_pairs
 from .features import Features
-from .row_impulses import book, speed_up, spread, wake
+from .relaxation import Relaxation, Respond
+from .row_impulses import book, spread, wake
 from .rows import MARGIN, ROW, find_rows
-from .sweeps import LEFT, turn_kernel
 from .trust_region import TrustRegion, groups_of
 
-SWEEPS = 300  # at most, between two answers of the body
-TURNS = 6  # of the body, at most
-LEFT_BY_BODY = 1e-2  # as LEFT: what a turn of the body may change
 SKIN = 0.4  # of the mean size of the cells: pairs within it are listed
 STALE = 0.5  # of the skin: groups that have used it up are listed anew with others
+LEAST_GAP = 0.1  # of the thickness, left where a body pushes layers: `keep_apart`
 NEAR = 8.0  # part of the skin within which pairs are gone through in every step
-
-# nodes (k,) that touch a body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves
-Answer = tuple[np.ndarray, np.ndarray, np.ndarray]
-NO_BODY: Answer = np.empty(0, np.int64), np.empty((0, 3)), np.empty((0, 3, 3))
-# (velocities (n, 3) by the impulses so far, whether nodes are in rows) -> answer, None without such
-Respond = Callable[[np.ndarray, np.ndarray], Answer | None]
 
 
 def new_list(size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -62,10 +46,9 @@ class SelfContactSolver:
 
     Attributes
     ----------
-    features : as given; friction : Friction, may be changed; region : TrustRegion
+    features : as given; region : TrustRegion; relaxation : Relaxation, with its counts
     rows : (k,) ROW of the last step
     listed : int, pairs on the list; listings : int, times that it was made
-    sweeps : int, in the last step; limited : int, steps that ended with more than LEFT
     closest : float [m], least distance of any row so far over the thickness it has to keep, or more
     """
 
@@ -82,16 +65,14 @@ class SelfContactSolver:
         own: slice,
     ):
         self.features, self._rest = features, np.ascontiguousarray(rest)
-        self._mass, self.friction = mass, friction
+        self._mass = mass
         self._thickness, self._recovery, self._skin = thickness, recovery, SKIN * size
-        free = np.where(held, 0.0, 1.0) / mass[:, None]
-        self.mobility = free[:, :, None] * np.eye(3)
+        self.relaxation = Relaxation(mass, held, friction)
         self._found, self._due = new_list(1024), np.empty(0)
         self._keys = np.empty(0, np.int64)
         self._rows, self._old = np.zeros(64, ROW), np.zeros(64, ROW)
         self.rows = self._rows[:0]
         self._near, self._groups = np.empty(0, np.int64), np.empty(0, np.int64)
-        self._live = np.zeros(len(self._rest), bool)
         at_rest = np.empty_like(self._rest)  # in an order that no number of ranks changes
         at_rest[features.numbers] = self._rest
         group = groups_of(at_rest, features.numbers[features.triangles])
@@ -99,9 +80,7 @@ class SelfContactSolver:
         self.region = TrustRegion(
             group, features.triangles, len(self._rest), own, MARGIN * thickness
         )
-        self._work = np.empty_like(self._rest), np.empty_like(self._rest)
-        self._solved = True
-        self.listings = self.sweeps = self.limited = 0
+        self.listings = 0
         self.closest = np.inf
 
     @property
@@ -148,10 +127,9 @@ class SelfContactSolver:
         if self._listing:
             self._list(x)
         self._find(x, before, dt)
-        live = len(self.rows) and wake(self.rows, v, before, self._live)
-        if not live:
+        if not (len(self.rows) and wake(self.rows, v, before, self.relaxation.live)):
             return False
-        self._relax(v, respond)
+        self.relaxation.relax(self.rows, v, respond)
         return True
 
     @property
@@ -168,18 +146,33 @@ class SelfContactSolver:
         Layers that leave no room for each other are pushed from both sides, by impulses that grow
         with every sweep and must not outlive the step.
         """
-        return self.rows if self._solved else self.rows[:0]
+        return self.rows if self.relaxation.solved else self.rows[:0]
 
-    def book(self, before: np.ndarray, after: np.ndarray, losses: np.ndarray) -> None:
-        """Add what pushes and friction took to losses (2,) [J], see `row_impulses.book`."""
+    def keep_apart(self, v: np.ndarray, dt: float) -> np.ndarray | None:
+        """What keeps layers from passing that a body pushes: `Relaxation.keep_apart`."""
+        return self.relaxation.keep_apart(self.rows, v, LEAST_GAP * self._thickness, dt)
+
+    def book(
+        self,
+        before: np.ndarray,
+        after: np.ndarray,
+        losses: np.ndarray,
+        last: np.ndarray | None = None,
+    ) -> None:
+        """Add what pushes and friction took to losses (2,) [J], see `row_impulses.book`.
+
+        last : rows of `keep_apart`, which the next step does not begin with
+        """
         book(self.rows, before, after, losses)
+        if last is not None:
+            book(last, before, after, losses)
 
     def restore(self, rows: np.ndarray) -> None:
         """Go on from the rows (k,) ROW of a step before."""
         if len(rows) > len(self._rows):
             self._rows = np.zeros(2 * len(rows), ROW)
         self._rows[: len(rows)] = rows
-        self.rows, self._solved = self._rows[: len(rows)], True
+        self.rows, self.relaxation.solved = self._rows[: len(rows)], True
         self.region.forget()
 
     def _list(self, x):
@@ -224,56 +217,3 @@ class SelfContactSolver:
         self._rows, self._old = self._old, self._rows
         self.rows = self._rows[:found]
         self.closest = min(self.closest, nearest)
-
-    def _relax(self, v, respond):
-        """Impulses of the rows for velocities v without them."""
-        rows, one_turn = self.rows, turn_kernel(self.friction.kinetic_coefficient)
-        parameters = np.array(self.friction.parameters, float)
-        now, swept = self._work
-        limited = self.limited
-        self.sweeps, left, scale = 0, 0.0, 0.0
-        for turn in range(1 if respond is None else TURNS):
-            now, swept = swept, now
-            speed_up(rows, self.mobility, v, now)
-            held = None if respond is None else respond(now, self._live)
-            done, settled, left, scale = one_turn(
-                rows, now, self.mobility, self._mass, *(held or NO_BODY), swept, turn, left, scale,
-                parameters, SWEEPS, LEFT_BY_BODY,
-            )  # fmt: skip
-            self.sweeps += done
-            if held is None or settled:
-                break
-        else:
-            self.limited += left <= LEFT * scale
-        self._solved = bool(left <= LEFT * scale)
-        self.limited += not self._solved
-        if self.limited > limited and respond is not None and self._gains(v, respond):
-            self._solved = False
-            self._stop(v, one_turn)
-
-    def _gains(self, v, respond):
-        """Whether impulses give the layers more than moves apart those that start too close."""
-        rows, after = self.rows, self._work[0]
-        speed_up(rows, self.mobility, v, after)
-        nodes, held, _ = respond(after, self._live) or NO_BODY
-        after[nodes] = held
-        taken = np.zeros(2)
-        book(rows, v, after, taken)
-        return not -taken.sum() <= rows["push"] @ np.maximum(rows["bound"], 0.0)
-
-    def _stop(self, v, one_turn):
-        """Impulses that only take energy, for a step in which body and layers do not agree.
-
-        From none, without friction and recovery, and as if there were no body, every sweep is a
-        projection onto n . v >= min(bound, 0), which v = 0 fulfils: with pushes p >= 0 the kinetic
-        energy changes by at most sum p min(bound, 0), wherever sweeps end. The body comes after it.
-        """
-        rows, (now, swept) = self.rows, self._work
-        rows["push"], rows["rub"] = 0.0, 0.0
-        rows["bound"] = np.minimum(rows["bound"], 0.0)
-        speed_up(rows, self.mobility, v, now)
-        done, *_ = one_turn(
-            rows, now, self.mobility, self._mass, *NO_BODY, swept, 0, 0.0, 0.0,
-            np.zeros(len(self.friction.parameters)), SWEEPS, LEFT_BY_BODY,
-        )  # fmt: skip
-        self.sweeps += done

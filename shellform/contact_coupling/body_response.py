@@ -14,7 +14,7 @@ from mpi4py import MPI
 import numpy as np
 
 from contact.kernel import kernel
-from contact.self_contact.solver import Answer, Respond
+from contact.self_contact.relaxation import Answer, Respond
 from contact.solver.friction import Friction
 
 FRICTIONLESS = Friction(0.0)
@@ -108,7 +108,7 @@ def response(correction: Any, cloth: Any, stepper: Any, x: np.ndarray, dt: float
             may = correction.may_touch(near, stepper.v_old[near], dt, 0.5 * cloth.thickness)
             nodes = near[may]
             whole = nodes + own.start
-            free = cloth.solver.mobility[whole]
+            free = cloth.solver.relaxation.mobility[whole]
             asked.extend((nodes, whole, x[nodes], stepper.mass[nodes], cloth.held[nodes], free))
         mine = answer(v, *asked) if len(asked[0]) else None
         return mine if comm.size == 1 else of_all_ranks(comm, mine)

@@ -264,7 +264,7 @@ class ExplicitContact(RunningContact):
             for ledger in (last, self.window):
                 ledger.table[0, WORK] += work
         if layers and self.cloth is not None:
-            self.cloth.book(stepper)
+            self.cloth.book(stepper, dt, last.impulse)
         self.seconds += time.perf_counter() - start
 
     def _give_back(self, stepper, impulse, book=False):

@@ -93,15 +93,15 @@ class ExplicitSelfContact(Part):
     @property
     def friction(self) -> Friction:
         """Its law; may be changed between steps."""
-        return self.solver.friction
+        return self.solver.relaxation.friction
 
     @friction.setter
     def friction(self, value: Any) -> None:
-        self.solver.friction = as_friction(value)
+        self.solver.relaxation.friction = as_friction(value)
 
     @property
     def limited(self) -> int:
-        return self.solver.limited
+        return self.solver.relaxation.limited
 
     @property
     def listings(self) -> int:
@@ -150,10 +150,22 @@ class ExplicitSelfContact(Part):
         self.seconds += time.perf_counter() - start
         return met
 
-    def book(self, stepper: Any) -> None:
-        """Add the losses of the last step, once all have had their say; all ranks call."""
-        start = time.perf_counter()
-        self.solver.book(self._before, self.whole(stepper.v), self.losses)
+    def book(self, stepper: Any, dt: float = 0.0, by_body: np.ndarray | None = None) -> None:
+        """Add the losses of the last step, once all have had their say; all ranks call.
+
+        by_body : (n_owned, 3), impulse of a body [N s], which is kept from pushing layers through
+            each other in the step of dt [s]; what it has booked by then is put right
+        """
+        start, solver = time.perf_counter(), self.solver
+        after = self.whole(stepper.v)
+        last = None if by_body is None else solver.keep_apart(after, dt)
+        if last is not None:
+            met = stepper.v.copy()
+            give(last, self.own.start, self.held, stepper.mass, stepper.v, stepper.support_impulse)
+            after = self.whole(stepper.v)
+            changed = 0.5 * float(np.sum(by_body * (met - stepper.v)))
+            self.losses[0] += self._comm.allreduce(changed)
+        solver.book(self._before, after, self.losses, last)
         self.seconds += time.perf_counter() - start
 
     def everywhere(self, *owned: np.ndarray) -> Any:
@@ -235,4 +247,4 @@ class ExplicitSelfContact(Part):
         self.losses[:] = state["self_contact_losses"]
         most, limited, listings, closest = state["self_contact_counts"].tolist()
         self.most_pairs, self.solver.closest = int(most), closest
-        self.solver.limited, self.solver.listings = int(limited), int(listings)
+        self.solver.relaxation.limited, self.solver.listings = int(limited), int(listings)

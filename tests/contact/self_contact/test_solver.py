@@ -26,7 +26,7 @@ def solve(solver, x, v, dt=DT):
     """Velocities after a step's impulses; those of the step before were the same."""
     solver.region.measure(x, v)
     if solver.needs(dt) and solver.solve(x, v, v, dt):
-        return v + np.einsum("ijk,ik->ij", solver.mobility, solver.impulse)
+        return v + np.einsum("ijk,ik->ij", solver.relaxation.mobility, solver.impulse)
     return v.copy()
 
 
