@@ -6,7 +6,7 @@
 The walk of `run.py` on the body of triangles, from the same starts, with hard skin and with a
 Winkler bed everywhere (contact/body/flesh_bed.py). Printed are root mean squares of the torque
 about the axis of flexion with their standard errors, the 95 % interval of the difference, and the
-depth to which the mean pressure of a window presses the bed, pressure over stiffness.
+depth to which the greatest mean pressure of a window presses the bed, pressure over stiffness.
 """
 
 import argparse
@@ -28,11 +28,15 @@ def on_flesh(scene: Scene, stiffness: float) -> Scene:
     return replace(scene, contact=replace(scene.contact, flesh_bed={"body": stiffness}))
 
 
-def depth_line(folder: Path, stiffness: float) -> str:
-    """How deep the pressure of a run presses such a bed."""
-    pressed = summary_of(folder)["results"]["pressure"]
-    words = ", ".join(f"{name} {value:.3g}" for name, value in pressed.items())
-    return f"{folder.name}: pressure {words}; 1 kPa is {1e6 / stiffness:.2f} mm deep"
+def depth_lines(folders: list[Path], stiffness: float) -> list[str]:
+    """Greatest mean pressure of a window on each segment, and how deep it presses such a bed."""
+    runs = [summary_of(folder)["results"]["pressure"] for folder in folders]
+    lines = [f"{'peak pressure [Pa]':20} {SKINS[0]:>10} {SKINS[1]:>10} {'depth in flesh [mm]':>20}"]
+    for name, entry in runs[0].items():
+        peaks = [entry["peak_pressure"], runs[1][name]["peak_pressure"]]
+        depth = 1e3 * peaks[1] / stiffness
+        lines.append(f"{name:20} {peaks[0]:10.0f} {peaks[1]:10.0f} {depth:20.2f}")
+    return lines
 
 
 def main(given: list[str] | None = None) -> None:
@@ -50,8 +54,8 @@ def main(given: list[str] | None = None) -> None:
     if not options.table:
         for one, folder in zip((scene, on_flesh(scene, options.stiffness)), folders, strict=True):
             run(one, folder, console.COMM)
-    lines = [depth_line(folder, options.stiffness) for folder in folders]
-    console.say([*torque_lines(folders, SKINS), *lines])
+    lines = depth_lines(folders, options.stiffness)
+    console.say([*torque_lines(folders, SKINS), "", *lines])
 
 
 if __name__ == "__main__":
