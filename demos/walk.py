@@ -185,7 +185,7 @@ def draw(options, names, scene):
     from shellform.pictures.skin_pressure import pressure_figure
     from shellform.pictures.walk import draw_all
     from shellform.pictures.wrinkles import draw_walk_wrinkles
-    from shellform.results.skin_pressure import load
+    from shellform.results.pressure_map import load
 
     first = options.out / names[0]
     rows = {name: mean_rows(options.out / name) for name in names}

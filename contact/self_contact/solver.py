@@ -25,8 +25,9 @@ from contact.solver.friction import Friction
 from .boxes import members_of
 from .broad_phase import list_pairs
 from .features import Features
+from .row_impulses import book, speed_up, spread, wake
 from .rows import MARGIN, ROW, find_rows
-from .sweeps import LEFT, book, speed_up, spread, turn_kernel, wake
+from .sweeps import LEFT, turn_kernel
 from .trust_region import TrustRegion, groups_of
 
 SWEEPS = 300  # at most, between two answers of the body
@@ -170,7 +171,7 @@ class SelfContactSolver:
         return self.rows if self._solved else self.rows[:0]
 
     def book(self, before: np.ndarray, after: np.ndarray, losses: np.ndarray) -> None:
-        """Add what pushes and friction took to losses (2,) [J], see `sweeps.book`."""
+        """Add what pushes and friction took to losses (2,) [J], see `row_impulses.book`."""
         book(self.rows, before, after, losses)
 
     def restore(self, rows: np.ndarray) -> None:

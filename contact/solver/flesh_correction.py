@@ -13,7 +13,8 @@ import numpy as np
 from contact.body.flesh_bed import HARD, Flesh
 from contact.body.segments import Body
 
-from .flesh_step import SIDE, flesh_kernel
+from .bed_push import SIDE
+from .flesh_step import flesh_kernel
 from .friction import Friction
 from .velocity_correction import VelocityCorrection
 

@@ -12,10 +12,11 @@ As p is that of the end, k (d' - d)^2/2 more is lost a step than by the bed. Fri
 of that push, as on a hard body.
 
 Skin that meets a node which is inside already, as in dressing, comes out with it at the recovery
-speed, so that it is not thrown. Of several segments on one side of a node the one presses in which
-it lies deepest. In a crease, between sides more than a right angle apart, a node is met as by
-node_contact.py, by segments smaller by the depth that it has come to, which follows the pressure in
-a time of LAG: no flesh gives way into other flesh there, and cloth is not drawn in.
+speed, so that it is not thrown. Of several segments on one side of a node that one presses in which
+it lies deepest at the end, or two in which it then lies alike (bed_push.py). In a crease, between
+sides more than a right angle apart, a node is met as by node_contact.py, by segments smaller by the
+depth that it has come to, which follows the pressure in a time of LAG: no flesh gives way into
+other flesh there, and cloth is not drawn in.
 """
 
 from collections.abc import Callable
@@ -27,52 +28,15 @@ import numpy as np
 from contact.geometry.shape import foot_and_normal, least_distance
 from contact.kernel import kernel
 
+from .bed_push import bed_kernel, touch_side
 from .broad_phase import mark_away, may_meet
 from .correction_step import begin_step, end_step, forget
-from .friction import cone_kernel
 from .node_contact import book_planes, node_kernel
 from .segment_motion import drift_of, turned_by
 from .step_record import ALLOWED, FAR, PENETRATED, SEGMENT_TOUCHED
 from .supporting_planes import set_plane
 
 LAG = 5e-3  # s
-# what a node remembers of the bed that presses it
-SIDE = np.dtype(
-    [
-        ("owner", np.int64),  # segment, -1: none
-        ("depth", float),  # d [m]
-        ("recess", float),  # of the skin where it met the node already inside [m]
-        ("slip", float),  # s [m]
-        ("relaxing", float),  # q [Pa]
-    ]
-)
-
-
-@kernel(makes_arrays=False)
-def press(bed: Any, side: Any, free_depth: float, compliance: float, dt: float) -> float:
-    """Push s [m] of a bed on a node whose depth would be `free_depth` without it.
-
-    compliance : dt^2/rho [m/Pa]; side : SIDE as of the step before, set to that of this one
-    """
-    decay = 1.0 / (1.0 + dt / bed.relaxation_time) if bed.relaxation_time > 0.0 else 0.0
-    slope = bed.stiffness + bed.relaxing_stiffness * decay
-    rest = (side.relaxing - bed.relaxing_stiffness * side.depth) * decay
-    stuck, slides = slope + bed.slip_stiffness, 0.0
-    push = compliance * (rest - bed.slip_stiffness * side.slip + stuck * free_depth)
-    push /= 1.0 + compliance * stuck
-    borne = bed.slip_stiffness * (free_depth - push - side.slip)
-    if abs(borne) > bed.yield_pressure:
-        slides = bed.yield_pressure if borne > 0.0 else -bed.yield_pressure
-        push = compliance * (rest + slides + slope * free_depth) / (1.0 + compliance * slope)
-        borne = slides
-    push = max(0.0, push)
-    depth = free_depth - push
-    side.relaxing = (side.relaxing + bed.relaxing_stiffness * (depth - side.depth)) * decay
-    # skin that comes back more slowly than the cloth leaves it pulls nothing
-    side.relaxing = max(side.relaxing, -bed.stiffness * depth - borne)
-    side.slip = depth - borne / bed.slip_stiffness if bed.slip_stiffness > 0.0 else 0.0
-    side.depth = depth
-    return push
 
 
 @kernel(makes_arrays=False)
@@ -124,45 +88,28 @@ def _deepest(count, planes):
 
 
 @kernel(makes_arrays=False)
-def _copy(plane, out):
-    out.owner, out.depth, out.bound = plane.owner, plane.depth, plane.bound
+def _bring_forward(k, j, planes):
+    """Exchange planes k and j."""
+    p, q = planes[k], planes[j]
+    p.owner, q.owner = q.owner, p.owner
+    p.depth, q.depth = q.depth, p.depth
+    p.bound, q.bound = q.bound, p.bound
     for c in range(3):
-        out.normal[c], out.drift[c] = plane.normal[c], plane.drift[c]
+        p.normal[c], q.normal[c] = q.normal[c], p.normal[c]
+        p.drift[c], q.drift[c] = q.drift[c], p.drift[c]
 
 
-@cache
-def bed_kernel(kinetic_coefficient: Callable) -> Any:
-    """Kernel press_plane(mass, work, side, plane, bed, compliance) of a law of friction.
-
-    It fills the push and the friction of a plane on a bed, whose bound is the depth that the free
-    step ends at [m], and `work.change`; whether the node sticks. compliance : see `press`
-    """
-    transmitted = cone_kernel(kinetic_coefficient)
-
-    @kernel(makes_arrays=False)
-    def press_plane(mass, work, side, plane, bed, compliance):
-        n, u, free, step = plane.normal, plane.drift, work.free, work.step
-        if side.owner != plane.owner:
-            begun = side.depth if side.owner >= 0 else 0.0
-            side.owner, side.depth, side.slip, side.relaxing = plane.owner, 0.0, 0.0, 0.0
-            side.recess = max(0.0, plane.depth - begun)
-        side.recess = max(0.0, side.recess - work.recovery)
-        push = press(bed, side, plane.bound - side.recess, compliance, work.dt)
-        plane.push, along, size, inertia = push, 0.0, 0.0, mass / work.dt
-        for c in range(3):
-            step[c] = free[c] + push * n[c]
-            along += (step[c] - u[c]) * n[c]
-        for c in range(3):
-            plane.friction[c] = -(step[c] - u[c] - along * n[c])
-            size += plane.friction[c] * plane.friction[c]
-        size = np.sqrt(size)
-        fraction = transmitted(inertia * push, inertia * size, size / work.dt, work.friction)
-        for c in range(3):
-            plane.friction[c] *= fraction
-            work.change[c] = (push * n[c] + plane.friction[c]) / work.dt
-        return fraction == 1.0 and work.friction[0] > 0.0
-
-    return press_plane
+@kernel(makes_arrays=False)
+def _deeper(count, planes):
+    """Plane in which the push of plane 0 leaves a node deepest, and deeper than in 0; else 0."""
+    p, found, most = planes[0], 0, 1e-12
+    for k in range(1, count):
+        n, m = p.normal, planes[k].normal
+        g = n[0] * m[0] + n[1] * m[1] + n[2] * m[2]
+        deeper = planes[k].bound - p.bound + (1.0 - g) * p.push
+        if deeper > most:
+            found, most = k, deeper
+    return found
 
 
 @cache
@@ -172,14 +119,28 @@ def flesh_kernel(kinetic_coefficient: Callable) -> Any:
     Arguments as of `correction_kernel` (correction_step.py) and flesh (m,) BED, sides (n,) SIDE and
     the areal mass [kg/m^2].
     """
-    press_plane = bed_kernel(kinetic_coefficient)
+    press_planes = bed_kernel(kinetic_coefficient)
     correct_node = node_kernel(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
-    def on_bed(x, v, mass, work, side, segments, planes, bed, compliance, book):
-        """Correct a node on the bed of plane 0; its segment, or -1."""
-        stick = press_plane(mass, work, side, planes[0], bed, compliance)
+    def on_bed(x, v, mass, work, side, count, segments, planes, flesh, compliance, book):
+        """Correct a node on the bed of plane 0, the deepest of count; its segment, or -1."""
+        same = False
+        for k in range(count):
+            same = same or planes[k].owner == side.owner
+        owner = planes[0].owner
+        touch_side(side, owner, planes[0].depth, same, work.recovery)
+        was = side.depth, side.slip, side.relaxing
+        bed = flesh[owner]
         work.count, work.soft = 1, 0
+        stick = press_planes(1, mass, work, side, planes, bed, compliance)
+        if count > 1 and planes[0].push > 0.0:
+            other = _deeper(count, planes)
+            if other > 0:
+                _bring_forward(other, 1, planes)
+                side.depth, side.slip, side.relaxing = was
+                work.count = 2
+                stick = press_planes(2, mass, work, side, planes, bed, compliance)
         segment = book_planes(x, v, mass, work, segments, planes, book)
         if segment >= 0:
             work.active += 1
@@ -241,11 +202,11 @@ def flesh_kernel(kinetic_coefficient: Callable) -> Any:
                         if len(beds):
                             beds[i] = work.beds
                     elif count > 0:
-                        _copy(planes[first], planes[0])
-                        bed = flesh[planes[0].owner]
+                        _bring_forward(first, 0, planes)
                         segment = on_bed(
-                            x[i], v[i], mass[i], work, side, segments, planes, bed, compliance, book
-                        )
+                            x[i], v[i], mass[i], work, side, count, segments, planes, flesh,
+                            compliance, book,
+                        )  # fmt: skip
                     sets[PENETRATED, i] = one.penetrated
                 else:
                     sets[PENETRATED, i] = 0

@@ -86,7 +86,7 @@ class SurfaceCorrection(NodeCorrection):
         self._stack, self._bounds = np.zeros(STACK, np.int64), np.zeros(STACK)
         self._smooth = bool(smooth)
         self._acting = new_acting(surface.vertex_count)
-        self.at_vertices = self._acting.table
+        self.at_vertices, self._most = self._acting.table, 0
         self._book = np.zeros((len(surface.names), BOOKED))
         self._owners = np.ascontiguousarray(self._rows[surface.owners], np.int64)
         bits = bits_of(names if body is None else body.carriers)
@@ -123,7 +123,10 @@ class SurfaceCorrection(NodeCorrection):
         bad = self._correct_all(x, v, old, mass, dt)
         if bad:
             self._refuse(bad - 1, x, v, mass, t)
-        if self._work["active"]:
+        if self.active > self._most:
+            self._most = self.active
+            self._places.warn_of_sharp(x)
+        if self.active:
             pushed = self._acting.rows[: self._acting.number[0]]
             self.surface.add_to_segments(self._places.time, self.at_vertices, self._book, pushed)
         take_book(self._book, self._rows, last.table, window.table)
@@ -199,6 +202,11 @@ class SurfaceCorrection(NodeCorrection):
         return self._places.mesh, self._places.start
 
     @property
+    def nearest(self) -> np.ndarray:
+        """Triangle (n,) int last found under each node, -1 for none; to be read only."""
+        return self._near
+
+    @property
     def vertices(self) -> np.ndarray:
         """Places (nv, 3) [m] of the vertices at the start of the last step; to be read only."""
         return self._places.start.vertices
@@ -212,8 +220,8 @@ class SurfaceCorrection(NodeCorrection):
         time = np.nan if self._end_time is None else self._end_time
         whole = [self._sets[FAR].view(float), self._near.view(float)]
         table = np.column_stack([self._look.T, self._sheet.T, *whole, self._room])
-        body = [self._work["path"], time, self._places.highest, *(self._frame + self._shift)]
-        return table, np.array(body)
+        frame = self._frame + self._shift
+        return table, np.array([self._work["path"], time, self._places.highest, *frame])
 
     def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
         """Continue from `looks()`."""
@@ -225,10 +233,7 @@ class SurfaceCorrection(NodeCorrection):
         self._work["path"], time, highest, *frame = body.tolist()
         self._frame[:], self._shift[:] = frame or 0.0, 0.0
         if not np.isnan(time):
-            if self._places.mesh is None:
-                self._places.begin(time)
-            self._places.highest = highest
-            self._places.resume(time)
+            self._places.resume(time, highest)
             self._start_time, self._end_time = None, time
 
     def state(self) -> dict[str, np.ndarray]:

@@ -20,8 +20,9 @@ from contact.body.segments import Body
 from contact.body.surface_motion import SurfaceMotion
 from contact.kernel import kernel
 
+from .bed_push import bed_kernel, touch_side
 from .flesh_correction import OnFlesh
-from .flesh_step import LAG, bed_kernel
+from .flesh_step import LAG
 from .friction import Friction
 from .surface_correction import SurfaceCorrection
 from .surface_node import book_surface, surface_node_kernel
@@ -37,7 +38,7 @@ def soft_node_kernel(kinetic_coefficient: Callable) -> Any:
         (n,) bool, set where a node still lies in flesh; one that nothing pushes in a crease does
     """
     meet_hard = surface_node_kernel(kinetic_coefficient)
-    press_plane = bed_kernel(kinetic_coefficient)
+    press_planes = bed_kernel(kinetic_coefficient)
 
     @kernel(makes_arrays=False)
     def in_crease(
@@ -85,7 +86,8 @@ def soft_node_kernel(kinetic_coefficient: Callable) -> Any:
             return -1, t, 0.0
         side = beds[1][i]
         compliance = work.dt * work.dt / beds[2]
-        stick = press_plane(mass, work, side, plane, beds[0][plane.owner], compliance)
+        touch_side(side, plane.owner, plane.depth, False, work.recovery)
+        stick = press_planes(1, mass, work, side, planes, beds[0][plane.owner], compliance)
         if not plane.push > 0.0:
             return -1, t, 0.0
         book_surface(x, v, mass, work, planes, over, mesh, start, acting)

@@ -18,6 +18,7 @@ from contact.geometry.triangle_mesh.topology import mesh_of
 JUMP = 0.02, 200.0  # m and m/s: a surface that moves farther in a step and faster is set anew
 SHARP = 0.5  # cosine between normals of one triangle
 GROWN = 1.2e-3  # m, that boxes are grown before they are fitted anew
+AMONG = 0.02  # m, around the nodes: triangles that they may touch
 RAISED = 1.5  # times the greatest height of the smooth surface at first: room for bent joints
 
 
@@ -44,6 +45,7 @@ class SurfacePlaces:
         self.start: Any = None
         self.end: Any = None
         self.highest, self.time, self._end_time = 0.0, 0.0, 0.0
+        self._sharp = np.zeros(0, np.int64)
 
     def begin(self, t: float) -> None:
         """Tree and places at the first time."""
@@ -57,7 +59,7 @@ class SurfacePlaces:
             self.end = new_placed(self.mesh, surface.vertex_count, self.start.boxes)
         if self._smooth:
             self.highest = RAISED * most_raised(self.mesh, self.start)
-            self._tell_sharp()
+            self._sharp = self._find_sharp()
             self.start.known[:] = False
 
     def restart(self, t: float) -> None:
@@ -66,8 +68,11 @@ class SurfacePlaces:
         refit(self.mesh, self.start)
         self.time = t
 
-    def resume(self, t: float) -> None:
-        """Place the end of a step anew, for the next one to go on from."""
+    def resume(self, t: float, highest: float) -> None:
+        """Place the end of a step anew, for the next one to go on from; `highest` as it was."""
+        if self.mesh is None:
+            self.begin(t)
+        self.highest = highest
         if self._surface.moves:
             self._surface.positions(t, self.end.vertices)
             refit(self.mesh, self.end)
@@ -105,18 +110,28 @@ class SurfacePlaces:
             )
         return motion
 
-    def _tell_sharp(self):
-        """Warn of triangles over which normals turn too far to be those of a smooth surface."""
+    def _find_sharp(self):
+        """Triangles over which normals turn too far to be those of a smooth surface."""
         a, b, c = (self.start.normals[self.mesh.triangles[:, k]] for k in range(3))
         cosine = np.min([np.sum(p * q, axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
-        sharp = cosine < SHARP
-        if sharp.any():
-            k = int(sharp.argmax())
-            place = ", ".join(f"{x:.4g}" for x in self.start.vertices[self.mesh.triangles[k, 0]])
+        return np.flatnonzero(cosine < SHARP)
+
+    def warn_of_sharp(self, x: np.ndarray) -> None:
+        """Warn, once, of triangles that are too sharp among nodes x (n, 3) [m], which touch."""
+        sharp = self._sharp
+        if not len(sharp) or not len(x):
+            return
+        corners = self.start.vertices[self.mesh.triangles[sharp]]
+        low, high = x.min(axis=0) - AMONG, x.max(axis=0) + AMONG
+        met = ((corners.max(axis=1) > low) & (corners.min(axis=1) < high)).all(axis=1)
+        if met.any():
+            self._sharp = np.zeros(0, np.int64)
+            k = int(met.argmax())
+            place = ", ".join(f"{c:.4g}" for c in corners[k, 0])
             warnings.warn(
-                f"over {sharp.sum()} of {len(sharp)} triangles of the surface of "
+                f"over {met.sum()} of {len(self.mesh.triangles)} triangles of the surface of "
                 f"{', '.join(self._surface.names[:3])} the normal turns by more than 60 degrees, "
-                f"first over triangle {k} at ({place}) m: it is met as a smooth surface, so take "
-                "smaller triangles there, or smooth=False if its edges are sharp",
-                stacklevel=2,
+                f"first over triangle {sharp[k]} at ({place}) m: it is met as a smooth surface, so "
+                "take smaller triangles there, or smooth=False if its edges are sharp",
+                stacklevel=3,
             )

@@ -23,9 +23,9 @@ import numpy as np
 
 from contact.self_contact.features import features
 from contact.self_contact.intersections import count_intersections
+from contact.self_contact.row_impulses import give
 from contact.self_contact.rows import ROW
 from contact.self_contact.solver import SelfContactSolver
-from contact.self_contact.sweeps import give
 from contact.solver.friction import Friction, as_friction
 from meshes import Surface
 from meshes.topology import cut_quads, straight_cells

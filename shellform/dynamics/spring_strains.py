@@ -31,7 +31,7 @@ from shellform.fem.six_lengths import FIRST, SECOND, six_lengths
 from shellform.fem.strains import voigt_rows
 from shellform.material.sheet import Sheet
 
-from .springs import grid_lines
+from .grid_lines import grid_lines
 
 BLUNT = 0.03  # of |N| at rest, see above
 LINES = 4  # of a direction that a cell may have, one a corner

@@ -1,25 +1,25 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The pressure of the cloth on the skin as a picture."""
+"""The pressure of the cloth on the skin as a picture, on ellipsoids and on triangles.
+
+Skin that nothing touched is grey. A belt presses a thousand times harder than a leg of the
+trousers: the scale is logarithmic. It ends at what 99 % of the area touched stay below and begins
+at a thousandth of that.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contact.body.segments import Body
 from contact.geometry.surface_patches import Patches
 from shellform.motion.wearer import Wearer
+from shellform.results.pressure_map import Map, VertexPressure
 
 from .surfaces import ellipsoid_facets, new_figure, save_figure, view_axes
 from .views import fit_view, heading_at
-
-if TYPE_CHECKING:
-    # pictures are drawn without finite elements
-    from shellform.results.skin_pressure import Map
-
 
 # degrees by which the eye goes around from the front, to the wearer's left
 SIDES = {"front": 0.0, "left": 90.0, "back": 180.0, "right": -90.0}
@@ -28,7 +28,7 @@ SIDES = {"front": 0.0, "left": 90.0, "back": 180.0, "right": -90.0}
 def pressure_figure(
     path: str | Path,
     wearer: Body | Wearer,
-    map: Map,
+    map: Map | VertexPressure,
     time: float,
     title: str = "",
     sides: Sequence[str] = ("front", "back"),
@@ -36,24 +36,32 @@ def pressure_figure(
 ) -> None:
     """The body from some of SIDES, coloured by the mean pressure of the clothing.
 
-    Skin that nothing touched is grey. What lies inside another ellipsoid at that time is not drawn.
-    A belt presses a thousand times harder than a leg of the trousers: the scale is logarithmic. It
-    ends at what 99 % of the area touched stay below and begins at a thousandth of that.
-
     Parameters
     ----------
-    path : PNG file; wearer : Wearer, or Body with names and radii of the map
-    map : results.skin_pressure.Map; time : float, of the pose [s]
+    path : PNG file
+    wearer : Wearer, or Body with names and radii of the map; of triangles any that faces ahead
+    map : of results.pressure_map
+    time : float, of the pose of ellipsoids [s]; triangles are drawn as they stand in the map
     sides : names in SIDES; top : end of the scale [Pa], None: as above
 
     Raises
     ------
     ValueError for the map of another body
     """
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.collections import PolyCollection
-    from matplotlib.colors import LogNorm
+    ahead = heading_at(wearer, time)
+    if isinstance(map, VertexPressure):
+        facets, pressures = map.vertices[map.triangles], map.mean[map.triangles].mean(axis=1)
+        most = f"most at a vertex: {map.mean.max():.4g} Pa"
+    else:
+        facets, pressures = _on_ellipsoids(wearer, map, time)
+        most = f"most on a patch of {100 * map.size:.3g} cm: {map.mean.max():.4g} Pa"
+    top = _end_of_scale(map) if top is None else top
+    note = f"mean pressure [Pa] over {map.seconds:.3g} s; {most}"
+    _draw(path, facets, pressures, np.degrees(np.arctan2(*ahead[1::-1])), top, note, title, sides)
 
+
+def _on_ellipsoids(wearer, map, time):
+    """Facets (F, 4, 3) that are not inside another ellipsoid, and their pressures (F,)."""
     same = tuple(wearer.names) == map.names and np.allclose(wearer.radii, map.radii, rtol=1e-6)
     if not same:
         raise ValueError(
@@ -72,18 +80,24 @@ def pressure_figure(
             seen &= (np.sum(within**2, axis=-1) > 1).any(axis=1)
         facets.append(own[seen])
         pressures.append(patches.values(b, local[seen].mean(axis=1), map.mean))
-    facets, pressures = np.concatenate(facets), np.concatenate(pressures)
-    normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, 3] - facets[:, 1])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return np.concatenate(facets), np.concatenate(pressures)
 
-    top = _end_of_scale(map) if top is None else top
+
+def _draw(path, facets, pressures, front, top, note, title, sides):
+    """Facets (F, 3 or 4, 3) from `sides` of one who faces `front` [degrees]."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import LogNorm
+
+    # across a facet: its diagonals, or two sides of a triangle
+    normal = np.cross(facets[:, 2] - facets[:, 0], facets[:, -1] - facets[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     colours = ScalarMappable(LogNorm(1e-3 * top, top, clip=True), "YlOrRd")
     faces = colours.to_rgba(np.maximum(pressures, 1e-3 * top))
     faces[pressures <= 0] = (0.84, 0.85, 0.86, 1.0)
     figure, panels = new_figure(
         1, (9, 8) if len(sides) < 3 else (11, 4.8), title, columns=len(sides)
     )
-    front = np.degrees(np.arctan2(*heading_at(wearer, time)[1::-1]))
     for axes, label in zip(np.atleast_1d(panels), sides, strict=True):
         turn = SIDES[label]
         view = view_axes(front + turn, 5.0)
@@ -101,11 +115,7 @@ def pressure_figure(
         axes.set_axis_off()
         axes.set_title(label, fontsize=10)
     bar = figure.colorbar(colours, ax=panels, shrink=0.6, extend="both")
-    bar.set_label(
-        f"mean pressure [Pa] over {map.seconds:.3g} s; most on a patch of "
-        f"{100 * map.size:.3g} cm: {map.mean.max():.4g} Pa",
-        fontsize=10 if len(sides) < 3 else 7,
-    )
+    bar.set_label(note, fontsize=10 if len(sides) < 3 else 7)
     save_figure(figure, Path(path))
 
 

@@ -1,25 +1,33 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The runs that a report is made of: read from their folders, or refused in one sentence."""
 
+from __future__ import annotations
+
 import json
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from shellform.errors import Mendable
 from shellform.motion.wearer import Wearer
 from shellform.results.mean_torque import Course, read_courses
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import read_scene
+from shellform.scene.skin import skin_of_scene
 from shellform.scene.wearer import wearer_of
 from shellform.simulation.ensemble import complete_of
+
+if TYPE_CHECKING:
+    from contact.body.surface_motion import SurfaceMotion
 
 
 class FinishedRun(NamedTuple):
     """A scene that was run, from one or more starts.
 
     label : name in the report; out : its folder; scene; fabric : as its file has it
-    wearer : before ellipsoids are left out
+    wearer : before ellipsoids are left out; skin : of a body of triangles, None for ellipsoids and
+        where the files of that body are no longer there
     summary : contents of summary.json; courses : joint -> windows of all its runs
     """
 
@@ -28,6 +36,7 @@ class FinishedRun(NamedTuple):
     scene: Scene
     fabric: Any
     wearer: Wearer
+    skin: SurfaceMotion | None
     summary: dict[str, Any]
     courses: dict[str, Course]
 
@@ -107,7 +116,16 @@ def _read(out, label):
     wearer = wearer_of(scene)
     files = [member.out / "torque.csv" for member in complete]
     courses = read_courses(files, wearer.start)
-    return FinishedRun(label, out, scene, _fabric_in(out), wearer, summary, courses)
+    skin = _skin_in(scene, wearer)
+    return FinishedRun(label, out, scene, _fabric_in(out), wearer, skin, summary, courses)
+
+
+def _skin_in(scene, wearer):
+    """Skin of the wearer; None where its files are gone: a report needs its numbers, not it."""
+    try:
+        return skin_of_scene(scene, wearer)
+    except (ValueError, OSError, Mendable):
+        return None
 
 
 def _fabric_in(out):

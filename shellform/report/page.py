@@ -162,7 +162,7 @@ def _lead(runs: list[FinishedRun]) -> Markup:
 
 
 def _skin_table(runs: list[FinishedRun]) -> Markup:
-    """Force, peak pressure and area by ellipsoid."""
+    """Force, peak pressure and area by part of the body."""
     rows = []
     names = list(dict.fromkeys(n for run in runs for n in run.results.get("pressure") or {}))
     for name in names:

@@ -248,7 +248,8 @@
     for (const name of ["places", "origins", "triangles", "centres", "axes"]) out[name] = unpacked(walk[name]);
     for (const name in walk.colours) out.colours[name] = unpacked(walk.colours[name]);
     out.corners = columns(out.triangles);
-    out.bodyCorners = cornersOf(BALL, walk.radii.length);
+    if (walk.skin) out.skin = unpacked(walk.skin);
+    out.bodyCorners = walk.skin ? columns(unpacked(walk.skin_triangles)) : cornersOf(BALL, walk.radii.length);
     return out;
   }
 
@@ -258,18 +259,19 @@
     return best;
   }
 
-  function clothAt(walk, f) {
-    const at = row(walk.places, f), n = at.length / 3;
+  function placesAt(places, step, f) {
+    const at = row(places, f), n = at.length / 3;
     const x = new Float32Array(n), y = new Float32Array(n), z = new Float32Array(n);
     for (let k = 0; k < n; k++) {
-      x[k] = at[3 * k] * walk.step;
-      y[k] = at[3 * k + 1] * walk.step;
-      z[k] = at[3 * k + 2] * walk.step;
+      x[k] = at[3 * k] * step;
+      y[k] = at[3 * k + 1] * step;
+      z[k] = at[3 * k + 2] * step;
     }
     return { x, y, z };
   }
 
   function bodyAt(walk, f) {
+    if (walk.skin) return placesAt(walk.skin, walk.step, f);
     const centres = row(walk.centres, f), axes = row(walk.axes, f), x = [], y = [], z = [];
     walk.radii.forEach((radii, b) => BALL.points.forEach((p) => {
       const place = [0, 1, 2].map((c) => centres[3 * b + c] + [0, 1, 2].reduce(
@@ -324,7 +326,7 @@
     const name = el("colour").value, t = present();
     return walkers().flatMap((k) => {
       const walk = walks[k], f = k === leader ? state.frame : nearest(walk.times, t);
-      const cloth = clothAt(walk, f);
+      const cloth = placesAt(walk.places, walk.step, f);
       if (walk.colours[name]) cloth.intensity = tintOf(walk, f, name);
       return [cloth, bodyAt(walk, f), floorAt(walk, f), ...(walk.obstacle ? [boxAt(walk, f)] : [])];
     });
@@ -403,7 +405,8 @@
 
   // ---- the skin -------------------------------------------------------------------------------
   const skins = data.runs.map((run) => run.skin && { ...run.skin, places: whole(unpacked(run.skin.places)),
-    corners: cornersOf(sphere(run.skin.parts), run.skin.ellipsoids),
+    corners: run.skin.triangles ? columns(unpacked(run.skin.triangles))
+      : cornersOf(sphere(run.skin.parts), run.skin.ellipsoids),
     colours: Object.fromEntries(Object.entries(run.skin.colours).map(([kind, own]) => [kind, unpacked(own)])) });
 
   function drawSkin() {
@@ -412,7 +415,7 @@
     const [low, high] = data.skin_scale, kind = el("kind").value;
     const traces = own.map((k, place) => {
       const skin = skins[k], values = valuesOf(skin.colours[kind], low, high, 1);
-      return { type: "mesh3d", scene: sceneName(place), ...clothAt(skin, 0), ...skin.corners, intensity: values,
+      return { type: "mesh3d", scene: sceneName(place), ...placesAt(skin.places, skin.step, 0), ...skin.corners, intensity: values,
         ...scaleOf(HEAT, low, high, true), lighting: LIGHT, showscale: place === 0,
         colorbar: barOf(`${kind} pressure [Pa]`, decades(low, high)),
         customdata: Array.from(values, (v) => v < low ? "not touched" : `${Number((10 ** v).toPrecision(2))} Pa`),

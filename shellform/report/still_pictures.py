@@ -26,7 +26,7 @@ from shellform.pictures.walk import (
     series_files,
 )
 from shellform.pictures.walk import frame_of as frame_of_mesh
-from shellform.results.skin_pressure import Map
+from shellform.results.pressure_map import Map, VertexPressure
 from shellform.scene.wearer import part_of
 
 from .finished_run import FinishedRun
@@ -90,7 +90,8 @@ def walk_picture(run: FinishedRun) -> bytes:
     box = obstacle_of(run.wearer.recording)
     for axes, k in zip(np.atleast_1d(panels), picked, strict=True):
         time, path = files[k]
-        corners = draw_clothed(axes, frame_of_mesh(meshio.read(path), time), run.wearer, view, 1)
+        frame = frame_of_mesh(meshio.read(path), time)
+        corners = draw_clothed(axes, frame, run.wearer, view, 1, skin=run.skin)
         centre = corners.mean(axis=0)
         if box is not None and abs(box[0][0] + 0.5 * box[1][0] - centre[0]) < 0.6:
             draw_box(axes, *box, view)
@@ -101,9 +102,9 @@ def walk_picture(run: FinishedRun) -> bytes:
     return _png(lambda path: save_figure(figure, path))
 
 
-def skin_picture(run: FinishedRun, map: Map, top: float) -> bytes:
+def skin_picture(run: FinishedRun, map: Map | VertexPressure, top: float) -> bytes:
     """The mean pressure on the skin from four sides; `top` : end of the scale [Pa]."""
-    wearer = part_of(run.scene, run.wearer, map.names)
+    wearer = part_of(run.scene, run.wearer, map.names) if isinstance(map, Map) else run.wearer
     return _png(
         lambda path: pressure_figure(path, wearer, map, wearer.start, "", tuple(SIDES), top)
     )

@@ -37,6 +37,7 @@ class Walk(NamedTuple):
     times (F,) [s]; places (F, n, 3), origins (F, 3) [m], what they are told from
     cells (m, c); pressure (F, n) [Pa]; stretch (F, m) or None; wrinkles (F, m) or None
     centres (F, b, 3), axes (F, b, 3, 3) : pose of the body, in the world
+    skin (F, v, 3) : vertices of a body of triangles, in the world, or None; skin_triangles (t, 3)
     all_frames : how many the series has
     """
 
@@ -49,6 +50,8 @@ class Walk(NamedTuple):
     wrinkles: np.ndarray | None
     centres: np.ndarray
     axes: np.ndarray
+    skin: np.ndarray | None
+    skin_triangles: np.ndarray
     all_frames: int
 
 
@@ -64,7 +67,10 @@ def read_walk(run: FinishedRun, most: float = MOST) -> Walk | None:
         return None
     first = meshio.read(files[0][1])
     cells = first.cells[0].data
+    skin = run.skin
     size = (7 * len(first.points) + 2 * len(cells)) * 4 / 3
+    if skin is not None:
+        size += 6 * skin.vertex_count * 4 / 3
     count = int(np.clip(most // size, 2, len(files)))
     picked = np.unique(np.linspace(0, len(files) - 1, count).round().astype(int))
     meshes = [meshio.read(files[k][1]) for k in picked]
@@ -75,8 +81,16 @@ def read_walk(run: FinishedRun, most: float = MOST) -> Walk | None:
     origins = centres[:, _middle(run.wearer)] * (1.0, 1.0, 0.0)
     return Walk(
         times, places, origins, cells, _pressures(meshes), _stretches(run, meshes),
-        _wrinkles(meshes), centres, axes, len(files),
+        _wrinkles(meshes), centres, axes, _skin_places(skin, times),
+        np.zeros((0, 3), np.int64) if skin is None else skin.triangles, len(files),
     )  # fmt: skip
+
+
+def _skin_places(skin, times):
+    """Vertices (F, v, 3) of a skin, None without one."""
+    if skin is None:
+        return None
+    return np.array([skin.positions(time, np.empty((skin.vertex_count, 3))) for time in times])
 
 
 Pose = ("centres", "axes")
@@ -165,6 +179,10 @@ def walk_data(run: FinishedRun, walk: Walk, ends: dict[str, list[float]]) -> dic
             colours[name] = packed(rounded_colours(field, *ends[name]))
     box = obstacle_of(run.wearer.recording)
     ahead = heading_at(run.wearer, run.wearer.start)
+    skin = {}
+    if walk.skin is not None:
+        own = rounded_places(walk.skin - walk.origins[:, None], STEP)
+        skin = {"skin": packed(own), "skin_triangles": packed(walk.skin_triangles.astype(np.int32))}
     return {
         "times": walk.times,
         "frames_of_series": walk.all_frames,
@@ -178,5 +196,6 @@ def walk_data(run: FinishedRun, walk: Walk, ends: dict[str, list[float]]) -> dic
         "radii": run.wearer.radii,
         "centres": packed((walk.centres - walk.origins[:, None]).astype(np.float32)),
         "axes": packed(walk.axes.astype(np.float32)),
+        **skin,
         "obstacle": None if box is None else {"corner": box[0], "size": box[1]},
     }

@@ -17,9 +17,7 @@ of an edge covers none.
 Impulses add up over a window between two records. Ranks are added together at a record only.
 """
 
-import os
-from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -29,6 +27,8 @@ from contact.kernel import kernel
 from shellform.contact_coupling.contact import require_contact
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.part import Part
+
+from .pressure_map import Map
 
 NORMAL, RUBBED, COVERED, BOOKED = 0, 1, 2, 3
 
@@ -88,33 +88,6 @@ def add_pressure(
             total[which[a], NORMAL] += weights[a] * normal
             total[which[a], RUBBED] += weights[a] * rubbed
             total[which[a], COVERED] += weights[a] * mass[i] * dt
-
-
-class Map(NamedTuple):
-    """What P patches have felt; see `Patches` for where they are.
-
-    names : ellipsoids; radii (m, 3), size [m] : arguments of `Patches`
-    owner (P,), centres (P, 3) [m], areas (P,) [m^2] : of the patches
-    mean : (P,), mean pressure [Pa]; peak : (P,), greatest mean of a window [Pa]; peak_time : (P,),
-        end of that window [s]
-    rubbing : (P,), mean size of the tangential force by area [Pa]
-    share : (P,), part of time and area in contact, by the area at rest of the cloth that touches;
-        cloth that rattles counts in the steps in which it touches
-    seconds : float, time covered [s]
-    """
-
-    names: tuple
-    radii: np.ndarray
-    size: float
-    owner: np.ndarray
-    centres: np.ndarray
-    areas: np.ndarray
-    mean: np.ndarray
-    peak: np.ndarray
-    peak_time: np.ndarray
-    rubbing: np.ndarray
-    share: np.ndarray
-    seconds: float
 
 
 class Pressure(Part):
@@ -246,41 +219,3 @@ class Pressure(Part):
         self._sums[:] = state["pressure_sums"]
         self._peak[:], self._peak_time[:] = state["pressure_peak"].T
         self.seconds, self._whole = state["pressure_seconds"].tolist()
-
-
-def save(path: str | Path, map: Map) -> None:
-    """Write a Map as .npz, one array a field, atomically."""
-    path = Path(path)
-    part = path.with_name(path.name + ".part")
-    with open(part, "wb") as file:
-        np.savez_compressed(file, **map._asdict())
-    os.replace(part, path)
-
-
-def load(path: str | Path) -> Map:
-    """Map from a file that `save` wrote."""
-    with np.load(path) as file:
-        fields = {name: file[name] for name in Map._fields}
-    fields["names"] = tuple(fields["names"].tolist())
-    return Map(**fields | {name: float(fields[name]) for name in ("size", "seconds")})
-
-
-def summary(map: Map) -> dict[str, dict[str, Any]]:
-    """Ellipsoid -> mean normal force [N], peak pressure [Pa], its place and time, contact area.
-
-    The place is given from the centre of the ellipsoid in its segment's axes [m]; place and time
-    are None where nothing touched. Contact area [m^2] is a mean over time.
-    """
-    found = {}
-    for b, name in enumerate(map.names):
-        own = np.flatnonzero(map.owner == b)
-        k = own[map.peak[own].argmax()]
-        touched = map.peak[k] > 0
-        found[name] = {
-            "normal_force": float(np.sum(map.mean[own] * map.areas[own])),
-            "peak_pressure": float(map.peak[k]),
-            "peak_place": map.centres[k].tolist() if touched else None,
-            "peak_time": float(map.peak_time[k]) if touched else None,
-            "contact_area": float(np.sum(map.share[own] * map.areas[own])),
-        }
-    return found

@@ -6,6 +6,7 @@ from pathlib import Path
 from shellform.dressing.procedure import SHOULDER_STAGES, STAGES
 from shellform.motion.recording import SIDES
 from shellform.results.mean_torque import mean_rows
+from shellform.results.pressure_map import Map, load
 from shellform.scene.scene_file import read_scene
 from shellform.scene.skin import skin_of_scene
 from shellform.scene.wearer import part_of, wearer_of
@@ -27,11 +28,9 @@ def draw(out: str | Path) -> None:
     draw_all(out, wearer, dressing_frames(out), out, rows, joint, scene.title, skin=skin)
     draw_walk_wrinkles(out / "wrinkles.png", wearer, out, scene.title)
     if (out / "pressure.npz").is_file():
-        from shellform.results.skin_pressure import load
-
         pressed = load(out / "pressure.npz")
-        dressed = part_of(scene, wearer, pressed.names)
-        pressure_figure(out / "pressure.png", dressed, pressed, wearer.start, scene.title)
+        shown = part_of(scene, wearer, pressed.names) if isinstance(pressed, Map) else wearer
+        pressure_figure(out / "pressure.png", shown, pressed, wearer.start, scene.title)
 
 
 def dressing_frames(out: str | Path) -> list[tuple]:

@@ -105,7 +105,7 @@ def plan_of(
     if scene.runs > 1:
         plan["outputs"].append("torque_mean.csv")
     if output.pressure:
-        plan["outputs"].append("pressure.vtu" if "body" in plan else "pressure.npz")
+        plan["outputs"] += ["pressure.npz", *(["pressure.vtu"] if "body" in plan else [])]
     return {name: value for name, value in plan.items() if value or value is False}
 
 

@@ -9,6 +9,7 @@ from shellform.scene.scene import Scene
 
 from .model import Model
 
+ON_TRIANGLES = "errors and time were measured on ellipsoids: on this body they are a guess"
 DRESSED = 2.5  # s, that dressing takes if the cloth is soon quiet, as measured
 
 
@@ -28,14 +29,16 @@ def prediction_lines(model: Model) -> list[str]:
     steps = (wearer.end - wearer.start + DRESSED) / model.stepper.dt
     nodes = len(model.surface.points)
     work = measured.seconds(choice.case, choice.family, nodes, steps)
-    return choice.lines(work / model.comm.size)
+    lines = choice.lines(work / model.comm.size)
+    return lines if model.skin is None else [*lines, ON_TRIANGLES]
 
 
 def accuracy_entry(model: Model) -> dict:
     """`accuracy` of summary.json for a run that no other with other cells accompanies."""
     choice = choice_of(model)
     error = choice.error if choice.power_laws else None
-    return choice.summary(error, "from errors measured beforehand, no run beside")
+    where = "" if model.skin is None else " on ellipsoids"
+    return choice.summary(error, f"from errors measured beforehand{where}, no run beside")
 
 
 def tricks(scene: Scene) -> dict[str, dict]:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What is recorded while a scene is stepped: torque, ledger, extremes, pressure, frames."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -18,6 +20,10 @@ from shellform.results.series import Series
 
 from .model import Model
 
+if TYPE_CHECKING:
+    from shellform.results.skin_pressure import Pressure
+    from shellform.results.surface_pressure import SurfacePressure
+
 
 class Recorders:
     """All that a walk records, behind its contact.
@@ -29,8 +35,8 @@ class Recorders:
 
     Attributes
     ----------
-    joints : Torque; ledger : Ledger; extremes : Extremes; skin : Pressure on ellipsoids, and
-        vertices : SurfacePressure on a body of triangles, or None if not asked for
+    joints : Torque; ledger : Ledger; extremes : Extremes
+    pressure : Pressure on ellipsoids, SurfacePressure on triangles, or None if not asked for
     crossings : Crossings, None where cloth does not meet cloth
     counted : begin and end [s] of what counts for torque and pressure, see `counted`; depths
     and the ledger are kept throughout
@@ -45,18 +51,9 @@ class Recorders:
         self.crossings: Crossings | None = None
         if model.contact.cloth is not None:
             self.crossings = add(Crossings(resumed))
-        self.skin = None
-        self.vertices = None
-        if output.pressure and model.skin is not None:
-            # only here, as below; on triangles it is found at their vertices
-            from shellform.results.surface_pressure import SurfacePressure
-
-            self.vertices = add(SurfacePressure(resumed))
-        elif output.pressure:
-            # only here: it compiles a kernel of its own
-            from shellform.results.skin_pressure import Pressure
-
-            self.skin = add(Pressure(output.pressure, resumed))
+        self.pressure = _pressure(model, resumed)
+        if self.pressure is not None:
+            add(self.pressure)
 
     def record(self, time: float) -> np.ndarray:
         """Rows of the window that ends at `time` [s]; begins a new one.
@@ -68,15 +65,28 @@ class Recorders:
         self.joints.record(time)
         begin, end = self.counted
         whole = time - self._window.seconds >= begin - 1e-6 and time <= end + 1e-6
-        if self.skin:
-            self.skin.record(time, whole)
-        if self.vertices:
-            self.vertices.record(time, whole)
+        if self.pressure is not None:
+            self.pressure.record(time, whole)
         if self.crossings is not None:
             self.crossings.count()
         force = self._window.impulse / self._window.seconds
         self.ledger.record()
         return force
+
+
+def _pressure(model: Model, resumed: dict | None) -> Pressure | SurfacePressure | None:
+    """What adds up the pressure on this wearer; None where it is not asked for."""
+    # imports here: each compiles kernels of its own
+    size = model.scene.output.pressure
+    if not size:
+        return None
+    if model.skin is not None:
+        from shellform.results.surface_pressure import SurfacePressure
+
+        return SurfacePressure(resumed)
+    from shellform.results.skin_pressure import Pressure
+
+    return Pressure(size, resumed)
 
 
 class Extremes(Part):

@@ -24,6 +24,7 @@ from shellform.dynamics import checkpoint
 from shellform.dynamics.explicit import Newmark
 from shellform.errors import Stopped, Unstable
 from shellform.motion.gait.strides import counted
+from shellform.results import pressure_map
 from shellform.results.report import Report
 from shellform.results.series import Series
 from shellform.scene.scene import Scene
@@ -224,25 +225,17 @@ def _save_checkpoint(walk: Walk) -> None:
 
 
 def _write_results(walk: Walk) -> dict:
-    """summary.json, pressure.npz or pressure.vtu where it was asked for; returns the results."""
+    """summary.json, and maps of pressure where they were asked for; returns the results."""
     model, report, recorders = walk.model, walk.report, walk.recorders
     report.shift(model.contact.seconds, "solve", "contact")
     results = summary(model, recorders, walk.fit)
-    if recorders.skin:
-        # only here, as in Recorders
-        from shellform.results import skin_pressure
-
-        pressures = recorders.skin.result()
-        results["pressure"] = skin_pressure.summary(pressures)
+    if recorders.pressure is not None:
+        found = recorders.pressure.result()
+        results["pressure"] = pressure_map.summary(found)
         if model.comm.rank == 0:
-            skin_pressure.save(walk.out / "pressure.npz", pressures)
-    if recorders.vertices:
-        # only here, as in Recorders
-        from shellform.results import surface_pressure
-
-        found = recorders.vertices.result()
-        if model.comm.rank == 0:
-            surface_pressure.write(walk.out / "pressure.vtu", found)
+            pressure_map.save(walk.out / "pressure.npz", found)
+            if isinstance(found, pressure_map.VertexPressure):
+                pressure_map.write(walk.out / "pressure.vtu", found)
     report.write(
         results,
         steps=model.stepper.steps,

@@ -18,7 +18,8 @@ from shellform import Fabric, Shell
 from shellform.contact_coupling.contact import Contact
 from shellform.dynamics.explicit import Newmark
 from shellform.results.ledger import Ledger
-from shellform.results.skin_pressure import Pressure, summary
+from shellform.results.pressure_map import summary
+from shellform.results.skin_pressure import Pressure
 from tests.contact_coupling.test_edge_contact import SHEET, G, rod, strip
 
 ACROSS = np.array([0.0, 1.0, 0.0])

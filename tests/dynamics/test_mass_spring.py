@@ -9,7 +9,7 @@ import shellform.fem.shell
 from shellform import Fabric, Shell
 from shellform.dynamics.explicit import Newmark
 from shellform.dynamics.mass_spring import Particles, hand_over
-from shellform.dynamics.springs import buckling_force
+from shellform.dynamics.spring_kernels import buckling_force
 
 pytestmark = pytest.mark.serial
 CLOTH = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "thickness": 1e-3, "density": 200.0}

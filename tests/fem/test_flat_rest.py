@@ -9,7 +9,8 @@ from scipy.special import ellipe, ellipk
 import meshes
 import shellform as sf
 from meshes.patterns import sew
-from shellform.dynamics.springs import EDGE, Springs
+from shellform.dynamics.spring_kernels import EDGE
+from shellform.dynamics.springs import Springs
 from shellform.fem.dolfinx_compat import cell_nodes
 from shellform.fem.internal_force import InternalForce
 from shellform.fem.quad_force import QuadForce

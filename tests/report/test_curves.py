@@ -12,10 +12,10 @@ from shellform.motion.gait.strides import counted, strides
 from shellform.report.curves import mean_and_band, torque_curves
 from shellform.report.finished_run import FinishedRun
 from shellform.report.packed import as_json, packed, rounded_colours, rounded_places, unpacked
-from shellform.report.skin import skin_scale, unit_sphere
+from shellform.report.skin import skin_data, skin_scale, unit_sphere
 from shellform.report.walk_frames import triangles_of
 from shellform.results.mean_torque import PLACES, Course
-from shellform.results.skin_pressure import Map
+from shellform.results.pressure_map import Map, VertexPressure
 
 pytestmark = pytest.mark.serial
 
@@ -34,7 +34,7 @@ def made_up():
     torque = np.outer([1.0, 2.0, 3.0], np.sin(2 * np.pi * phase))
     courses = {"right_knee": Course(ends, widths, torque, 0 * torque)}
     results = {"strides": {"right": found.tolist()}, "counted_s": counted(walk)}
-    return FinishedRun("run", None, None, None, wearer, {"results": results}, courses)
+    return FinishedRun("run", None, None, None, wearer, None, {"results": results}, courses)
 
 
 def test_curves_over_the_phase_of_gait(made_up):
@@ -105,3 +105,21 @@ def test_the_scale_of_skin_without_touch():
                 nothing, nothing, nothing, nothing, nothing, 1.0)  # fmt: skip
     low, high = skin_scale([empty])
     assert low < high == 0.0
+
+
+def test_the_skin_of_a_body_of_triangles(made_up):
+    """Its vertices to a tenth of a millimetre about their middle, its triangles, its colours."""
+    vertices = np.array([(1.0, 2.0, 0.1), (1.4, 2.0, 0.3), (1.0, 2.2, 0.5), (1.2, 2.1, 1.1)])
+    triangles = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    mean, ones = np.array([0.0, 10.0, 100.0, 1000.0]), np.ones(4)
+    found = VertexPressure(
+        ("limb",), np.zeros(4, int), vertices, triangles, ones, mean, 10 * mean, *[ones] * 3, 2.0
+    )
+    data = skin_data(made_up, found, [0.0, 4.0])
+    assert unpacked(data["places"]) * data["step"] == pytest.approx(
+        vertices - (1.2, 2.1, 0.0), abs=6e-5
+    )
+    assert unpacked(data["triangles"]).tolist() == triangles.tolist()
+    assert unpacked(data["colours"]["mean"]).tolist() == [255, 64, 127, 190]
+    assert unpacked(data["colours"]["peak"]).tolist() == [255, 127, 190, 254]
+    assert data["seconds"] == 2.0 and "ellipsoids" not in data

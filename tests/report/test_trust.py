@@ -42,7 +42,7 @@ def run_of(tmp_path, starts=3, left=0.001, **changes):
     zeros = np.zeros((starts, 2))
     course = Course(np.array([0.02, 0.04]), np.full(2, 0.02), zeros, zeros)
     courses = {"right_knee": course}
-    return FinishedRun("run", tmp_path, sf.Scene(), "compliant", None, summary, courses)
+    return FinishedRun("run", tmp_path, sf.Scene(), "compliant", None, None, summary, courses)
 
 
 def test_a_run_without_fault(tmp_path):

@@ -21,7 +21,8 @@ from shellform.dynamics.explicit import Newmark
 from shellform.fem.director import rotation_matrix
 from shellform.fem.lumped_mass import nodal_areas
 from shellform.pictures.skin_pressure import pressure_figure
-from shellform.results.skin_pressure import Pressure, load, save, summary
+from shellform.results.pressure_map import load, save, summary
+from shellform.results.skin_pressure import Pressure
 from tests.contact.geometry.test_surface_patches import outward
 from tests.contact_coupling.test_explicit_contact import G, over_sphere
 from tests.results.test_joint_torque import curtain

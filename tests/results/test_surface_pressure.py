@@ -6,11 +6,19 @@ from mpi4py import MPI
 import meshio
 import numpy as np
 import pytest
+from PIL import Image
 
 import meshes
 from contact.body.segments import Body, Fixed, Segment
 from shellform import Contact, Fabric, Newmark, Shell
-from shellform.results.surface_pressure import SurfacePressure, vertex_areas, write
+from shellform.pictures.skin_pressure import pressure_figure
+from shellform.results.pressure_map import load, save, summary, write
+from shellform.results.surface_pressure import (
+    SurfacePressure,
+    flat_weights,
+    vertex_areas,
+    vertex_owners,
+)
 from tests.contact.solver.surfaces import tube
 from tests.contact_coupling.test_surface_contact import sheet
 
@@ -57,6 +65,36 @@ def test_sleeve_presses_with_hoop_tension_over_radius():
     assert np.sum(found.mean * found.areas) == pytest.approx(total, rel=2e-3)
     assert np.sum(found.rubbing * found.areas) < 0.1 * total
     assert (found.mean[np.abs(found.vertices[:, 2]) > 0.1] == 0.0).all()
+    # all of the cloth touches all the time, and covers its area at rest
+    touched = summary(found)["tube"]
+    assert touched["contact_area"] == pytest.approx(2 * np.pi * RADIUS / STRETCH * LONG, rel=2e-2)
+    assert touched["normal_force"] == pytest.approx(np.sum(found.mean * found.areas), rel=1e-12)
+    assert touched["peak_pressure"] == found.peak[touched["peak_vertex"]] == found.peak.max()
+
+
+def test_weights_over_a_flat_triangle():
+    rng = np.random.default_rng(3)
+    vertices, corners = rng.standard_normal((3, 3)), np.arange(3)
+    normal = np.cross(vertices[1] - vertices[0], vertices[2] - vertices[0])
+    wanted = rng.dirichlet(np.ones(3))
+    point = wanted @ vertices + 0.3 * normal
+    found = flat_weights(vertices, corners, point - 0.1, np.full(3, 0.1))
+    assert found == pytest.approx(wanted, abs=1e-12)
+    # beyond a corner: all of it
+    out = vertices[0] + 2.0 * (vertices[0] - vertices[1:].mean(axis=0))
+    assert flat_weights(vertices, corners, out, np.zeros(3))[0] == pytest.approx(1.0)
+
+
+def test_a_vertex_belongs_to_the_segment_of_most_area_around_it():
+    # two small triangles of segment 0 and a large one of segment 1 around vertex 0
+    angle = np.radians([0.0, 30.0, 60.0, 350.0])
+    spokes = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(4)])
+    vertices = np.vstack([np.zeros(3), spokes])
+    triangles = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4)])
+    owners = np.array([0, 0, 1])
+    assert vertex_owners(owners, triangles, vertices).tolist() == [0, 0, 0, 1, 1]
+    vertices[4] *= 9.0
+    assert vertex_owners(owners, triangles, vertices)[0] == 1
 
 
 def test_areas_and_the_same_on_all_ranks():
@@ -117,6 +155,18 @@ def test_file_for_paraview(tmp_path):
     assert np.array_equal(read.cells_dict["triangle"], found.triangles)
     assert read.point_data["pressure_Pa"] == pytest.approx(found.mean)
     assert read.point_data["pressure_Pa"].max() > 0
+    save(tmp_path / "pressure.npz", found)
+    again = load(tmp_path / "pressure.npz")
+    for name, value in found._asdict().items():
+        assert np.array_equal(getattr(again, name), value, equal_nan=name == "peak_time"), name
+    np.savez(tmp_path / "other.npz", triangles=found.triangles)
+    with pytest.raises(ValueError, match=r"other\.npz holds no map of pressure: it has no 'areas'"):
+        load(tmp_path / "other.npz")
+    pressure_figure(tmp_path / "pressure.png", stepper.contact.body, found, 0.0, "a block")
+    with Image.open(tmp_path / "pressure.png") as image:
+        seen = np.asarray(image.convert("RGB")).reshape(-1, 3).astype(int)
+    # red where it is pressed, grey where not
+    assert (seen[:, 0] > seen[:, 2] + 80).sum() > 100
 
 
 def test_ellipsoids_have_no_vertices():

@@ -3,13 +3,19 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from contact.solver.surface_correction import SurfaceCorrection
 from shellform.errors import Mendable
+from shellform.report.finished_run import finished_runs
+from shellform.report.packed import unpacked
+from shellform.report.page import page
+from shellform.report.walk_frames import read_walk, scales, walk_data
 from shellform.results.joint_torque import Torque
+from shellform.results.pressure_map import load
 from shellform.scene.parts import Contact, Garment, Motion, Output, Person, Steps
 from shellform.scene.scene import Scene
 from shellform.scene.scene_file import read_scene, write_scene
@@ -18,6 +24,7 @@ from shellform.scene.wearer import wearer_of
 from shellform.simulation.figures import draw
 from shellform.simulation.model import Model
 from shellform.simulation.plan import plan_lines, plan_of
+from shellform.simulation.prediction import accuracy_entry, prediction_lines
 from shellform.simulation.run import run
 from tests.motion.body_mesh.test_scan import write
 
@@ -85,7 +92,7 @@ def test_plan(scanned):
     plan = plan_of(scanned)
     assert plan["body"].startswith("triangles of ") and "creases" not in plan
     assert plan["out_of_reach" if "out_of_reach" in plan else "contact"]
-    assert plan["outputs"][-1] == "pressure.vtu"
+    assert plan["outputs"][-2:] == ["pressure.npz", "pressure.vtu"]
     assert any("skin of triangles of" in line for line in plan_lines(plan))
 
 
@@ -94,6 +101,8 @@ def test_the_garment_meets_the_skin(scanned, comm):
     model = Model(Scene(**{**vars(scanned), "garment": Garment(cell_size=0.04)}), comm)
     correction = model.contact.correction
     assert isinstance(correction, SurfaceCorrection) and model.wearer is model.whole
+    assert "measured on ellipsoids" in prediction_lines(model)[-1]
+    assert "measured beforehand on ellipsoids" in accuracy_entry(model)["how"]
     torque = model.stepper.add(Torque())
     x = model.skin.positions(0.0, np.empty((model.skin.vertex_count, 3)))
     # drawn tight around the hips: the waist edge starts 3 cm lower, where the body is wider
@@ -126,5 +135,21 @@ def test_a_walk_on_a_scan(scanned, tmp_path, comm):
     assert results["force_balance_error"] < 1e-6
     assert np.isfinite([row["rms_torque"] for row in results["joints"].values()]).all()
     assert (tmp_path / "walk" / "pressure.vtu").is_file()
+    pressed = load(tmp_path / "walk" / "pressure.npz")
+    forces = [row["normal_force"] for row in results["pressure"].values()]
+    assert set(results["pressure"]) <= set(pressed.names) and min(forces) >= 0.0 < max(forces)
+    assert sum(forces) == pytest.approx(np.sum(pressed.mean * pressed.areas), rel=1e-9)
     draw(tmp_path / "walk")
-    assert (tmp_path / "walk" / "walk.png").is_file()
+    for name in ("walk", "pressure"):
+        assert (tmp_path / "walk" / f"{name}.png").is_file()
+    [finished] = finished_runs([tmp_path / "walk"])
+    frames = read_walk(finished)
+    places = finished.skin.positions(frames.times[-1], np.empty((finished.skin.vertex_count, 3)))
+    assert frames.skin.shape[1:] == places.shape and frames.skin[-1] == pytest.approx(places)
+    data = walk_data(finished, frames, scales([frames]))
+    assert unpacked(data["skin_triangles"]).shape == finished.skin.triangles.shape
+    assert "Pressure on the skin, of the first start" in page([finished])
+    # without the scan its numbers and the map stay
+    gone = replace(scene, person=replace(scene.person, body=str(tmp_path / "gone.toml")))
+    write_scene(gone, tmp_path / "walk" / "scene.toml")
+    assert finished_runs([tmp_path / "walk"])[0].skin is None

@@ -36,7 +36,10 @@ TOUCHING = 1e-7  # m: below it the direction to the closest point has no digits 
 
 @kernel(makes_arrays=False)
 def _place(v, normals, corners, t, x0, x1, x2):
-    """z [m] and weights b1, b2 of x in the prism of triangle t; not a number without one."""
+    """z [m], weights b1, b2 of x in the prism of triangle t; the sign of its height over t.
+
+    Not numbers where there are none.
+    """
     i, j, k = corners[t, 0], corners[t, 1], corners[t, 2]
     q0, q1, q2 = x0 - v[i, 0], x1 - v[i, 1], x2 - v[i, 2]
     m0, m1, m2 = normals[i, 0], normals[i, 1], normals[i, 2]
@@ -54,7 +57,12 @@ def _place(v, normals, corners, t, x0, x1, x2):
     p1 = g0 * q0 + g1 * q1 + g2 * q2 - (f0 * m0 + f1 * m1 + f2 * m2)
     p2 = h0 * q0 + h1 * q1 + h2 * q2 - (g0 * m0 + g1 * m1 + g2 * m2)
     p3 = -(h0 * m0 + h1 * m1 + h2 * m2)
-    z = -p0 / p1
+    # begun on the side of the triangle that x is on: the cubic has other roots, on the other side
+    z = (
+        3.0
+        * p0
+        / (f0 * (3.0 * m0 + d0 + e0) + f1 * (3.0 * m1 + d1 + e1) + f2 * (3.0 * m2 + d2 + e2))
+    )
     for _ in range(20):
         slope = p1 + z * (2.0 * p2 + 3.0 * z * p3)
         change = (p0 + z * (p1 + z * (p2 + z * p3))) / slope
@@ -68,7 +76,7 @@ def _place(v, normals, corners, t, x0, x1, x2):
     size = f0 * f0 + f1 * f1 + f2 * f2
     b1 = f0 * (q1 * c2 - q2 * c1) + f1 * (q2 * c0 - q0 * c2) + f2 * (q0 * c1 - q1 * c0)
     b2 = f0 * (a1 * q2 - a2 * q1) + f1 * (a2 * q0 - a0 * q2) + f2 * (a0 * q1 - a1 * q0)
-    return z, b1 / size, b2 / size
+    return z, b1 / size, b2 / size, p0
 
 
 @kernel(makes_arrays=False)
@@ -145,11 +153,14 @@ def smooth_gap(
     """
     v, corners = placed.vertices, mesh.triangles
     limit = MOST * np.sqrt(square) + TOUCHING
-    came_from = -1
+    came_from, side = -1, 0.0
     for _ in range(WALKS):
         know_three(mesh, placed, t)
-        z, b1, b2 = _place(v, placed.normals, corners, t, x0, x1, x2)
-        if not abs(z) <= limit:
+        z, b1, b2, above = _place(v, placed.normals, corners, t, x0, x1, x2)
+        if side == 0.0:
+            side = 1.0 if above > 0.0 else -1.0
+        # what is above its closest triangle is outside
+        if not -TOUCHING <= side * z <= limit:
             return -1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         b0 = 1.0 - b1 - b2
         edge, least = -1, -OUTSIDE

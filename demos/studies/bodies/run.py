@@ -38,10 +38,11 @@ def scene_of(body: str, options: argparse.Namespace) -> Scene:
     )
 
 
-def torque_lines(folders: list[Path]) -> list[str]:
-    """A line a joint: root mean square torque on both bodies, and the difference."""
+def torque_lines(folders: list[Path], titles: tuple[str, str] = BODIES) -> list[str]:
+    """A line a joint: root mean square torque in both folders, and second less first."""
     courses, apart = [counted_courses(folder) for folder in folders], compare_runs(*folders)
-    lines = [f"{'rms torque [N m]':16} {'ellipsoids':>16} {'mesh':>16} {'95 % of difference':>22}"]
+    one, other = titles
+    lines = [f"{'rms torque [N m]':16} {one:>16} {other:>16} {'95 % of difference':>22}"]
     for joint in courses[0]:
         words = []
         for course in courses:

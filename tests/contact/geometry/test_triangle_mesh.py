@@ -10,7 +10,7 @@ import pytest
 from contact.geometry.ellipsoid import closest_points
 from contact.geometry.triangle_mesh.closest import STACK, closest, on_triangle, signed_distances
 from contact.geometry.triangle_mesh.placed import know_normal, new_placed, refit
-from contact.geometry.triangle_mesh.smooth import flat_gap, smooth_gap
+from contact.geometry.triangle_mesh.smooth import flat_gap, most_raised, smooth_gap
 from contact.geometry.triangle_mesh.sphere import sphere
 from contact.geometry.triangle_mesh.topology import mesh_of
 from contact.kernel import kernel
@@ -209,6 +209,26 @@ def test_smooth_distance_and_normal_go_on_over_edges_and_corners():
             )
         steps.append(np.max(greatest, axis=0))
     assert (steps[1] < 0.6 * steps[0]).all()
+
+
+@pytest.mark.parametrize("divisions", [1, 2])
+def test_far_from_coarse_triangles_the_smooth_surface_is_found_on_the_right_side(divisions):
+    """As far as edges are long, where the cubic of a triangle has several roots."""
+    vertices, triangles = wavy(divisions)
+    mesh, place = placed(vertices, triangles)
+    rng = np.random.default_rng(1)
+    count = 4000
+    corners = vertices[triangles[rng.integers(len(triangles), size=count)]]
+    n = rng.standard_normal((count, 3))
+    n *= rng.uniform(0.0, 0.1, (count, 1)) / np.linalg.norm(n, axis=1, keepdims=True)
+    points = np.einsum("na,nac->nc", rng.dirichlet(np.ones(3), count), corners) + n
+    wanted, found = distances(mesh, place, points)[0], np.empty((count, 9))
+    gaps(mesh, place, points, found)
+    most = most_raised(mesh, place)
+    known = found[:, 0] >= 0
+    assert known.mean() > 0.97
+    far = known & (np.abs(wanted) > most)
+    assert far.sum() > 1000 and (found[far, 1] * wanted[far] > 0.0).all()
 
 
 def test_normal_of_a_vertex_is_found_once():

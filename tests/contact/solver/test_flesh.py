@@ -54,6 +54,40 @@ def test_a_node_at_rest_sinks_until_the_bed_bears_it():
     assert correction.stored_energy(mass) == pytest.approx(stored, rel=1e-5)
 
 
+def test_a_node_rests_in_a_valley_between_two_limbs():
+    """Both press alike, k d = rho g/cos(angle of their normals to the pull), and neither throws it.
+
+    Pulled aside as well, it stays in the valley as long as both still press.
+    """
+    radius, half, k, mass = 0.1, 0.05, 2e4, np.array([3e-4])
+    limbs = [
+        Segment(name, [radius] * 3, Fixed((sign * half, 0.0, 0.0)))
+        for name, sign in (("one", -1), ("other", 1))
+    ]
+    for aside in (0.0, 0.3):
+        pull = 50.0 * G * np.array([np.sin(aside), 0.0, -np.cos(aside)])
+        correction = on(Body(limbs), 1, Flesh(k))
+        x, v = np.array([[1e-3, 0.0, 0.0871]]), np.zeros((1, 3))
+        speeds = []
+        for step in range(6000):
+            old = v.copy()
+            v *= 1 - 60 * DT
+            v += DT * pull
+            correction(x, v, mass, DT, step * DT, v_old=old)
+            x += DT * v
+            speeds.append(np.linalg.norm(v))
+        assert max(speeds[-500:]) < 1e-6
+        away = [x[0] - (sign * half, 0.0, 0.0) for sign in (-1, 1)]
+        depths = [radius - np.linalg.norm(arm) for arm in away]
+        assert depths[0] == pytest.approx(depths[1], rel=1e-6)
+        # pushes along both normals bear the pull; their sum is the pressure times the area
+        normals = np.column_stack([arm / np.linalg.norm(arm) for arm in away])[[0, 2]]
+        pushes = np.linalg.solve(normals, -AREAL * pull[[0, 2]])
+        assert pushes.min() > 0 and depths[0] == pytest.approx(pushes.sum() / k, rel=1e-6)
+        found = correction.last.segment_impulse[:, [0, 2]] / DT / mass * AREAL
+        assert found == pytest.approx((normals * pushes).T, rel=1e-6)
+
+
 def test_a_flat_plate_pressed_into_a_ball_of_flesh():
     """Pressures k (R - s) along the normal sum up to pi k (R - delta) delta^2."""
     radius, delta, k, h = 0.1, 0.01, 1e5, 5e-4

@@ -326,6 +326,22 @@ def test_wrong_settings_are_refused():
         correction(np.ones((1, 3)), np.zeros((1, 3)), np.ones(1), 1e-3, 1.0)
 
 
+def test_cloth_that_goes_along_with_the_body_asks_the_tree_once():
+    """Carried along at 3 m/s beside a ball nothing comes nearer, whatever way both have gone."""
+    place = [np.zeros(3), np.eye(3), np.array([3.0, 0.0, 0.0]), np.zeros(3)]
+    surface = RigidSurface(*sphere(0.1, 3), lambda t: (t * place[2], *place[1:]), "ball")
+    points = around(surface, 0.0, np.random.default_rng(3), 200, 2e-3, 8e-3)
+    correction = SurfaceCorrection(surface, len(points), friction=0.3)
+    x, v, mass = points.copy(), np.tile(place[2], (len(points), 1)), np.ones(len(points))
+    asked = []
+    for step in range(50):
+        correction(x, v, mass, 1e-4, step * 1e-4)
+        x += 1e-4 * v
+        asked.append(correction.evaluated)
+    assert np.abs(x - points - [0.015, 0.0, 0.0]).max() < 1e-12
+    assert asked[0] >= len(points) and not any(asked[1:])
+
+
 def test_restart_continues_bit_for_bit():
     def run(correction, x, v, first, steps):
         for step in range(first, first + steps):
@@ -439,13 +455,20 @@ def test_node_that_starts_inside_is_moved_out_at_the_recovery_speed(smooth):
 
 
 def test_sharp_edges_that_are_met_as_smooth_ones_are_told():
-    x, v = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
-    with pytest.warns(UserWarning, match="over 12 of 12 triangles of the surface of box the norm"):
-        SurfaceCorrection(box([0.1] * 3), 1)(x, v, np.ones(1), 1e-3, 0.0)
+    """As cloth first touches: of triangles where it is, and only of these."""
+    above, v = np.array([[0.05, 0.05, 0.18], [-0.05, -0.05, 0.18]]), np.zeros((2, 3))
+    down = above * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.1]
+    correction = SurfaceCorrection(box([0.1] * 3), 2)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        SurfaceCorrection(box([0.1] * 3), 1, smooth=False)(x, v, np.ones(1), 1e-3, 0.0)
-        SurfaceCorrection(ball(0.1, 2), 1)(x, v, np.ones(1), 1e-3, 0.0)
+        correction(above, v, np.ones(2), 1e-3, 0.0)
+        SurfaceCorrection(box([0.1] * 3), 2, smooth=False)(down, v - 1.0, np.ones(2), 1e-3, 0.0)
+        SurfaceCorrection(ball(0.1, 2), 2)(0.5 * down, v, np.ones(2), 1e-3, 0.0)
+    with pytest.warns(UserWarning, match="over 2 of 12 triangles of the surface of box the norm"):
+        correction(down, v - [0.0, 0.0, 1.0], np.ones(2), 1e-3, 1e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        correction(down, v - [0.0, 0.0, 1.0], np.ones(2), 1e-3, 2e-3)
 
 
 @pytest.mark.parametrize("speed", [1.0, 30.0])
