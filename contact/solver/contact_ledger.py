@@ -89,3 +89,16 @@ def book_loss(
             for c in range(3):
                 loss = 0.5 * impulse[i, c] * (met[i, c] - after[i, c])
                 table[segment[i], IMPACT] += loss
+
+
+@kernel(makes_arrays=False)
+def take_book(book: np.ndarray, rows: np.ndarray, last: np.ndarray, window: np.ndarray) -> None:
+    """Let last (m, BOOKED) be book (k, BOOKED), in its rows (k,); add it to window; clear book."""
+    for j in range(len(last)):
+        for c in range(BOOKED):
+            last[j, c] = 0.0
+    for k in range(len(rows)):
+        for c in range(BOOKED):
+            last[rows[k], c] += book[k, c]
+            window[rows[k], c] += book[k, c]
+            book[k, c] = 0.0

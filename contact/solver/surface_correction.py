@@ -18,7 +18,7 @@ from contact.body.surface_motion import SurfaceMotion
 from contact.geometry.triangle_mesh.carried import forget_acting, new_acting
 from contact.geometry.triangle_mesh.closest import STACK
 
-from .contact_ledger import BOOKED
+from .contact_ledger import BOOKED, take_book
 from .friction import Friction
 from .node_correction import NodeCorrection
 from .step_record import FAR, LOOK
@@ -91,6 +91,7 @@ class SurfaceCorrection(NodeCorrection):
         self._owners = np.ascontiguousarray(self._rows[surface.owners], np.int64)
         bits = bits_of(names if body is None else body.carriers)
         self._places = SurfacePlaces(surface, 1 << bits[self._owners], self._smooth)
+        self._frame, self._shift = self._step["frame"][0], self._step["shift"][0]
         self._scratch: Any = None  # of `_ask`
 
     def _kernel_of(self, friction: Friction) -> Any:
@@ -122,16 +123,13 @@ class SurfaceCorrection(NodeCorrection):
         bad = self._correct_all(x, v, old, mass, dt)
         if bad:
             self._refuse(bad - 1, x, v, mass, t)
-        last.table[:] = 0.0
+        if self.active > self._most:
+            self._most = self.active
+            self._places.warn_of_sharp(x)
         if self.active:
-            if self.active > self._most:
-                self._most = self.active
-                self._places.warn_of_sharp(x)
-            self._book[:] = 0.0
             pushed = self._acting.rows[: self._acting.number[0]]
             self.surface.add_to_segments(self._places.time, self.at_vertices, self._book, pushed)
-            last.table[self._rows] = self._book
-            window.table += last.table
+        take_book(self._book, self._rows, last.table, window.table)
         last.seconds = dt
         window.seconds += dt
 
@@ -181,12 +179,12 @@ class SurfaceCorrection(NodeCorrection):
             return
         elif self._end_time is not None and abs(start - self._end_time) < SAME * (end - start):
             places.turn_over()
-            self._work["frame"] += self._work["shift"]
+            self._frame += self._shift
         elif start != self._start_time:
             self._forget()
             places.restart(start)
         if self.surface.moves:
-            self._work["motion"] = places.go_on(start, end, self._work["shift"])
+            self._work["motion"] = places.go_on(start, end, self._shift)
         self._start_time, self._end_time = start, end
 
     @property
@@ -222,7 +220,7 @@ class SurfaceCorrection(NodeCorrection):
         time = np.nan if self._end_time is None else self._end_time
         whole = [self._sets[FAR].view(float), self._near.view(float)]
         table = np.column_stack([self._look.T, self._sheet.T, *whole, self._room])
-        frame = self._work["frame"] + self._work["shift"]
+        frame = self._frame + self._shift
         return table, np.array([self._work["path"], time, self._places.highest, *frame])
 
     def take_looks(self, table: np.ndarray, body: np.ndarray) -> None:
@@ -233,12 +231,9 @@ class SurfaceCorrection(NodeCorrection):
         ).view(np.int64)
         self._room[:] = table[:, 2 * LOOK + 2 :]
         self._work["path"], time, highest, *frame = body.tolist()
-        self._work["frame"], self._work["shift"] = frame, 0.0
+        self._frame[:], self._shift[:] = frame or 0.0, 0.0
         if not np.isnan(time):
-            if self._places.mesh is None:
-                self._places.begin(time)
-            self._places.highest = highest
-            self._places.resume(time)
+            self._places.resume(time, highest)
             self._start_time, self._end_time = None, time
 
     def state(self) -> dict[str, np.ndarray]:

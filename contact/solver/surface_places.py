@@ -68,8 +68,11 @@ class SurfacePlaces:
         refit(self.mesh, self.start)
         self.time = t
 
-    def resume(self, t: float) -> None:
-        """Place the end of a step anew, for the next one to go on from."""
+    def resume(self, t: float, highest: float) -> None:
+        """Place the end of a step anew, for the next one to go on from; `highest` as it was."""
+        if self.mesh is None:
+            self.begin(t)
+        self.highest = highest
         if self._surface.moves:
             self._surface.positions(t, self.end.vertices)
             refit(self.mesh, self.end)

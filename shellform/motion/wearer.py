@@ -162,8 +162,7 @@ class Wearer(Body):
 
     def segments_into(self, t: float, which: np.ndarray, out: Pose) -> Pose:
         """Pose at time t [s] of segments of the recording, by their places in it, into `out`."""
-        for array, into in zip(self._segments_at(t), out, strict=True):
-            np.take(array, which, axis=0, out=into, mode="clip")  # else numpy makes a copy first
+        _pick(which, *self._segments_at(t), *out)
         return out
 
     def new_joints(self, t: float = 0.0) -> Joints:
@@ -242,6 +241,17 @@ def _place(values, rates, centres, axes, velocities, spins):
         a[0, 1], a[1, 0] = 2.0 * (x * y + z * w) / size2, 2.0 * (x * y - z * w) / size2
         a[0, 2], a[2, 0] = 2.0 * (x * z - y * w) / size2, 2.0 * (x * z + y * w) / size2
         a[1, 2], a[2, 1] = 2.0 * (y * z + x * w) / size2, 2.0 * (y * z - x * w) / size2
+
+
+@kernel
+def _pick(which, at, along, speeds, turns, centres, axes, velocities, spins):
+    """Segments `which` of all: centres, axes, velocities, spins."""
+    for k in range(len(which)):
+        s = which[k]
+        for c in range(3):
+            centres[k, c], velocities[k, c], spins[k, c] = at[s, c], speeds[s, c], turns[s, c]
+            for i in range(3):
+                axes[k, c, i] = along[s, c, i]
 
 
 @kernel

@@ -326,6 +326,22 @@ def test_wrong_settings_are_refused():
         correction(np.ones((1, 3)), np.zeros((1, 3)), np.ones(1), 1e-3, 1.0)
 
 
+def test_cloth_that_goes_along_with_the_body_asks_the_tree_once():
+    """Carried along at 3 m/s beside a ball nothing comes nearer, whatever way both have gone."""
+    place = [np.zeros(3), np.eye(3), np.array([3.0, 0.0, 0.0]), np.zeros(3)]
+    surface = RigidSurface(*sphere(0.1, 3), lambda t: (t * place[2], *place[1:]), "ball")
+    points = around(surface, 0.0, np.random.default_rng(3), 200, 2e-3, 8e-3)
+    correction = SurfaceCorrection(surface, len(points), friction=0.3)
+    x, v, mass = points.copy(), np.tile(place[2], (len(points), 1)), np.ones(len(points))
+    asked = []
+    for step in range(50):
+        correction(x, v, mass, 1e-4, step * 1e-4)
+        x += 1e-4 * v
+        asked.append(correction.evaluated)
+    assert np.abs(x - points - [0.015, 0.0, 0.0]).max() < 1e-12
+    assert asked[0] >= len(points) and not any(asked[1:])
+
+
 def test_restart_continues_bit_for_bit():
     def run(correction, x, v, first, steps):
         for step in range(first, first + steps):
