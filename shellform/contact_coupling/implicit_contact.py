@@ -133,8 +133,7 @@ class ImplicitContact(RunningContact):
         self._force, self._stiffness = np.empty((n, 3)), np.empty((n, 3, 3))
         rows = len(self._obstacle.names)
         self.last, self.window = Ledger(n, rows), Ledger(n, rows)
-        self.seconds = 0.0
-        self.rounds = self.unsettled = 0
+        self.seconds, self.rounds, self.unsettled = 0.0, 0, 0
 
     @property
     def segment(self) -> np.ndarray:
