@@ -22,6 +22,8 @@ from .sweeps import LEFT, turn_kernel
 SWEEPS = 300  # at most, between two answers of the body
 TURNS = 6  # of the body, at most
 LEFT_BY_BODY = 1e-2  # as LEFT: what a turn of the body may change
+FAST = 2.0  # m/s: impulses that change less are not suspected to run away
+RUNAWAY = 4.0  # times the greatest speed before, that impulses change at most
 CLOSING = 0.5  # of the way between layers that a body pushes, in a step: `keep_apart`
 
 # nodes (k,) that touch a body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves
@@ -78,15 +80,20 @@ class Relaxation:
                 break
         else:
             self.limited += left <= LEFT * scale
-        self.solved = bool(left <= LEFT * scale)
+        runs_away = self._runs_away(rows, v, scale)
+        self.solved = bool(left <= LEFT * scale) and not runs_away
         self.limited += not self.solved
-        if (
+        if runs_away or (
             self.limited > limited
             and respond is not None
             and (not self.solved or self._gains(rows, v, respond))
         ):
             self.solved = False
             self._stop(rows, v, one_turn)
+
+    def _runs_away(self, rows, v, scale):
+        """Whether impulses feed each other, as friction at cells that are pressed to nothing."""
+        return scale > FAST and not scale <= RUNAWAY * np.abs(v[rows["nodes"]]).max()
 
     def _gains(self, rows, v, respond):
         """Whether impulses give the layers more than moves apart those that start too close."""

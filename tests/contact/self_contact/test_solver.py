@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
+from contact.self_contact.relaxation import Relaxation
+from contact.self_contact.row_impulses import speed_up
+from contact.self_contact.rows import ROW
 from contact.self_contact.solver import SelfContactSolver
 from contact.solver.friction import Friction
 from tests.contact.self_contact.meshes_of_triangles import crossings, featured, sheet, together
@@ -168,3 +171,27 @@ def test_gone_on_with():
     after = solve(one, x, pull)
     assert np.array_equal(solve(other, x, pull), after)
     assert not np.array_equal(solve(bare, x, pull), after)
+
+
+def test_rows_that_contradict_each_other_do_not_run_away():
+    """A cell pressed to nothing, turned over, asks two nodes to part and to close at once.
+
+    No impulses fulfil both. Kept from step to step they grew without an end, and friction with
+    them.
+    """
+    rows = np.zeros(2, ROW)
+    rows["nodes"], rows["weights"] = np.arange(4), [1.0, 0.0, -1.0, 0.0]
+    rows["normal"], rows["bound"] = [[0, 0, 1.0], [0, 0, -1.0]], [0.1, 0.05]
+    for k, along in enumerate(np.eye(3)[:2]):
+        rows["sliding"][:, k] = rows["weights"][:, :, None] * along
+    mass = np.full(4, 1e-3)
+    relaxation = Relaxation(mass, np.zeros((4, 3), bool), Friction(0.4))
+    v = np.zeros((4, 3))
+    v[0] = [0.5, 0.0, -0.2]
+    after = np.empty_like(v)
+    for _ in range(20):
+        rows["bound"] = [0.1, 0.05]
+        relaxation.relax(rows, v, None)
+        assert (rows["push"] / rows["mass"]).max() < 10.0
+    speed_up(rows, relaxation.mobility, v, after)
+    assert np.sum(after**2) < np.sum(v**2) and relaxation.limited == 20
