@@ -6,6 +6,7 @@ stretched comes to rest. (b) The body grows. (c) A belt draws the waist together
 go. Cloth meets cloth all the time where the scene asks for it, and has no layer to pass.
 """
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -63,7 +64,9 @@ def dress_skin(
     contact = meet(Growing(skin, wearer, grows, GROWN, shrunk))
     friction = contact.friction
     try:
-        with borrowed(stepper):
+        with borrowed(stepper), warnings.catch_warnings():
+            # feet pressed flat are no shape that anyone could mend
+            warnings.filterwarnings("ignore", "over .* the normal turns by more than 60 degrees")
             stepper.time, stepper.drag = begin, STILL
             contact.friction = dressing.slip
             hands = hands_at_waist(stepper, dressing, lambda time: (np.zeros(3), np.zeros(3)))
