@@ -18,7 +18,7 @@ from contact.geometry.triangle_mesh.closest import STACK
 from .contact_ledger import BOOKED
 from .segment_motion import SEGMENT
 from .segment_obstacle import SegmentObstacle, Segments
-from .surface_obstacle import KERNELS, Surface
+from .surface_obstacle import KERNELS, SurfaceWorld
 from .surface_places import SurfacePlaces
 
 LAST = 1 / 64  # part of a step over which velocities are differences
@@ -36,7 +36,7 @@ class SurfaceObstacle:
     Attributes
     ----------
     names : of the rows of the ledger; met : names and shapes of the segments that are met besides
-    kernels : Obstacle; world : Surface, after the first `move`
+    kernels : Obstacle; world : SurfaceWorld, after the first `move`
 
     Raises
     ------
@@ -119,7 +119,7 @@ class SurfaceObstacle:
         if self._shapes is not None:
             shapes = self._shapes.world
         count = surface.vertex_count
-        return Surface(
+        return SurfaceWorld(
             shapes, places.mesh, places.start, places.end, rows, np.array([self._smooth]),
             np.array([places.highest]), np.zeros((count, 3)), self._acting, self._near, self._look,
             self._path, np.zeros(STACK, np.int64), np.zeros(STACK), np.zeros(7),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Where a point stands over a surface of triangles, as implicit steps ask for it.
 
-`world` is a Surface (surface_obstacle.py).
+`world` is a SurfaceWorld (surface_obstacle.py).
 """
 
 from typing import Any

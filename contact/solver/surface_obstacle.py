@@ -35,7 +35,7 @@ tangent_to_shape, carry_with_shape = of_shapes.tangent, of_shapes.carry
 velocity_of_shape, book_shape = of_shapes.velocity, of_shapes.book
 
 
-class Surface(NamedTuple):
+class SurfaceWorld(NamedTuple):
     """shapes : Segments that are met besides, often none; mesh, start, end : Mesh, Placed
     owners (nt,) int, rows of the ledger; smooth (1,) bool, highest (1,) : of the smooth surface
     over the flat one [m]; rates (nv, 3) : velocities of the vertices at the end [m/s]
