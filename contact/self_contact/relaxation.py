@@ -23,7 +23,9 @@ SWEEPS = 300  # at most, between two answers of the body
 TURNS = 6  # of the body, at most
 LEFT_BY_BODY = 1e-2  # as LEFT: what a turn of the body may change
 FAST = 2.0  # m/s: impulses that change less are not suspected to run away
-RUNAWAY = 4.0  # times the greatest speed before, that impulses change at most
+# times the greatest speed before, that impulses change: where energy is looked at, as those of
+# many layers add up; and at most
+MUCH, RUNAWAY = 4.0, 100.0
 CLOSING = 0.5  # of the way between layers that a body pushes, in a step: `keep_apart`
 
 # nodes (k,) that touch a body, their velocities (k, 3) by it, mobilities (k, 3, 3) that it leaves
@@ -80,7 +82,7 @@ class Relaxation:
                 break
         else:
             self.limited += left <= LEFT * scale
-        runs_away = self._runs_away(rows, v, scale)
+        runs_away = self._runs_away(rows, v, scale, respond)
         self.solved = bool(left <= LEFT * scale) and not runs_away
         self.limited += not self.solved
         if runs_away or (
@@ -91,15 +93,21 @@ class Relaxation:
             self.solved = False
             self._stop(rows, v, one_turn)
 
-    def _runs_away(self, rows, v, scale):
-        """Whether impulses feed each other, as friction at cells that are pressed to nothing."""
-        return scale > FAST and not scale <= RUNAWAY * np.abs(v[rows["nodes"]]).max()
+    def _runs_away(self, rows, v, scale, respond):
+        """Whether impulses feed each other, as of rows that contradict each other."""
+        if scale <= FAST:
+            return False
+        most = np.abs(v[rows["nodes"]]).max()
+        if not scale <= RUNAWAY * most:
+            return True
+        return scale > MUCH * most and self._gains(rows, v, respond)
 
     def _gains(self, rows, v, respond):
         """Whether impulses give the layers more than moves apart those that start too close."""
         after = self._work[0]
         speed_up(rows, self.mobility, v, after)
-        nodes, held, _ = respond(after, self.live) or NO_BODY
+        answer = None if respond is None else respond(after, self.live)
+        nodes, held, _ = answer or NO_BODY
         after[nodes] = held
         taken = np.zeros(2)
         book(rows, v, after, taken)

@@ -189,9 +189,10 @@ def test_rows_that_contradict_each_other_do_not_run_away():
     v = np.zeros((4, 3))
     v[0] = [0.5, 0.0, -0.2]
     after = np.empty_like(v)
-    for _ in range(20):
+    for _ in range(60):
         rows["bound"] = [0.1, 0.05]
         relaxation.relax(rows, v, None)
-        assert (rows["push"] / rows["mass"]).max() < 10.0
+        # a hundred times the greatest speed
+        assert (rows["push"] / rows["mass"]).max() < 50.0
     speed_up(rows, relaxation.mobility, v, after)
-    assert np.sum(after**2) < np.sum(v**2) and relaxation.limited == 20
+    assert np.sum(after**2) < np.sum(v**2) and relaxation.limited == 60
